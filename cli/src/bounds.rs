@@ -4,6 +4,7 @@ use crate::args::MeshArgs;
 use crate::binding::{Binding, Chosen, Reads, Role, read_beside};
 use crate::console;
 use crate::outcome::Failure;
+use crate::simulate::Mode;
 use ltbw::domain::Prepared;
 use ltbw::refine::{Background, Refiner};
 use ltbw::{Point, io};
@@ -165,7 +166,9 @@ pub(crate) fn binding(
         .flag("own_frame", preparation.own_frame)
         .with("holes", preparation.holes.as_ref())
         .flag("strict", preparation.strict)
-        .number("excused_share", Some(args.lenience.share(preparation.strict)));
+        .number("excused_share", Some(args.lenience.share(preparation.strict)))
+        // Rounds make one mesh, whoever carries them out.
+        .with("mode", (args.mode == Mode::Async).then_some("async"));
     Binding { inputs: reads.list(), options }
 }
 

@@ -57,7 +57,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         task,
         asked: Asked { radius_edge: Some(RADIUS_EDGE), max_volume: Some(MAX_VOLUME), size: None },
         field: None,
-        workers: None,
+        crew: None,
         max_points: None,
         flat_tolerance: 0.0,
         keep_exterior: false,

@@ -16,7 +16,7 @@ use crate::rounds;
 use crate::surface::{print_patches, repairs_json};
 use crate::task::{Files, Judged, Task};
 use crate::unrecovered;
-use crate::workers::{Made, print_workers, refine};
+use crate::workers::{Crew, Made, print_workers, refine};
 use ltbw::domain::Prepared;
 use ltbw::domain::exterior::LEFT_OUT;
 use ltbw::io;
@@ -38,7 +38,7 @@ pub(crate) struct Job<'a> {
     /// Wanted edge lengths.
     pub(crate) field: Option<Field>,
     /// The workers that refine it without a common mesh.
-    pub(crate) workers: Option<u32>,
+    pub(crate) crew: Option<Crew>,
     /// The most points to insert.
     pub(crate) max_points: Option<u64>,
     /// The distance within which facets are taken for coplanar.
@@ -59,7 +59,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let start = Instant::now();
     let asked = asked(args)?;
     args.preparation.check(&[&args.domain])?;
-    let workers = args.workers.map(u32::from);
+    let crew = args.workers.map(|workers| Crew { workers: workers.into(), mode: args.mode });
     // A `.poly` may have its points in a `.node`.
     let mut inputs = io::domain_files(&args.domain);
     inputs.extend(args.sizes.clone());
@@ -72,7 +72,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         outputs: &args.output,
         streams: &args.streams,
         others: others.into_iter().flatten().cloned().collect(),
-        parts: workers.unwrap_or(1) as usize,
+        parts: parts_by(crew),
     };
     let outputs = files.look()?;
     if args.write_unrecovered && !outputs.in_parts.is_empty() {
@@ -99,7 +99,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         },
         asked,
         field,
-        workers,
+        crew,
         max_points: args.max_points,
         flat_tolerance,
         keep_exterior: args.keep_exterior,
@@ -162,12 +162,12 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let mesh = whole.as_ref().unwrap_or(&inside);
     let parts = || {
         let owners = made.owners.of(&refined, job.keep_exterior);
-        parts_of(mesh, &owners, job.workers.unwrap_or(1) as usize)
+        parts_of(mesh, &owners, parts_by(job.crew))
     };
     task.write(mesh, || quality::arrays(&mesh.points, &mesh.tets), parts, &mut report)?;
     rounds::write_trace(job.trace, &refined.rounds)?;
     if task.page.is_some() {
-        let workers = job.workers.map(|_| made.owners.of(&refined, false)).unwrap_or_default();
+        let workers = job.crew.map(|_| made.owners.of(&refined, false)).unwrap_or_default();
         let scene = Scene { mesh: &inside, hull: &[], workers: &workers };
         task.write_page(&scene, &report, &judged, None)?;
     }
@@ -230,6 +230,11 @@ fn finish_unrecovered(
     Ok(Exit::Defect)
 }
 
+/// The number of parts that a mesh of a crew has.
+fn parts_by(crew: Option<Crew>) -> usize {
+    crew.map_or(1, |crew| crew.workers as usize)
+}
+
 fn refined(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> {
     let progress = Progress::begin("recover", job.task.stop.begun());
     let mut refiner = job.asked.refiner().observer(&progress).cancel(job.task.stop.token());
@@ -240,7 +245,7 @@ fn refined(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> 
     if let Some(count) = job.max_points {
         refiner = refiner.max_points(count);
     }
-    refine((&refiner, ready), job.workers, (job.task.stop, job.task.name))
+    refine((refiner, ready), (job.crew, job.asked.max_volume), (job.task.stop, job.task.name))
 }
 
 /// Tells in a last line what is over a bound, if anything is.

@@ -1,10 +1,13 @@
-//! The refinement of a domain, by one engine or by workers that share no mesh.
+//! The refinement of a domain, by one engine or by workers that share no mesh: in rounds, or as
+//! points come.
 
 use crate::console::{self, Stop};
 use crate::outcome::{Failure, show};
+use crate::rounds::START;
+use crate::simulate::Mode;
 use ltbw::domain::Prepared;
-use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
-use ltbw::refining::{Owners, RefineError, rounds_on_threads};
+use ltbw::refine::{RefineOutcome, Refined, Refiner};
+use ltbw::refining::{Owners, RefineError, domain_on_threads, rounds_on_threads};
 use ltbw::threads::{Parallel, RunError, WorkerStats};
 use std::path::Path;
 
@@ -17,36 +20,72 @@ pub(crate) struct Made {
     pub(crate) owners: Owners,
     /// Why one thread has refined all.
     pub(crate) alone: Option<String>,
+    /// Did points come without rounds?
+    pub(crate) is_timed: bool,
 }
 
-/// Refines a prepared domain on as many workers, if that is asked for.
+/// The workers that refine a domain without a common mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crew {
+    pub(crate) workers: u32,
+    pub(crate) mode: Mode,
+}
+
+/// Vertices of each worker where points come one by one: with fewer, most cavities reach an
+/// interface.
+pub(crate) const START_EACH: usize = 2048;
+/// Tetrahedra of a mesh for each of the largest volume that its domain holds, about.
+const TETS_PER_VOLUME: f64 = 1.9;
+/// And for each vertex.
+const TETS_PER_VERTEX: f64 = 5.5;
+
+/// Vertices at which workers begin that do without rounds: a quarter of what a bound on volumes
+/// predicts, but no more than they can use.
+pub(crate) fn start_of(workers: u32, ready: &Prepared, max_volume: Option<f64>) -> usize {
+    let most = (START_EACH * workers as usize).max(START);
+    let volume = ready.report.volume().map_or(0.0, |volume| volume.to_f64());
+    let tets = max_volume.map(|bound| TETS_PER_VOLUME * volume / bound);
+    // A conversion of floats saturates.
+    let vertices = tets.map_or(usize::MAX, |tets| (tets / TETS_PER_VERTEX) as usize);
+    most.min(vertices / 4)
+}
+
+/// Refines a prepared domain, with the bound on volumes that is asked for, by a crew if there is
+/// one.
 pub(crate) fn refine(
-    (refiner, ready): (&Refiner<'_>, &Prepared),
-    workers: Option<u32>,
+    (refiner, ready): (Refiner<'_>, &Prepared),
+    (crew, max_volume): (Option<Crew>, Option<f64>),
     (stop, name): (&Stop, &Path),
 ) -> Result<(Refined, Made), Failure> {
     let failed = |error| Failure::Refine { path: name.to_owned(), error };
-    let Some(workers) = workers else {
-        let refined = refiner.refine(&ready.domain, &ready.lattice).map_err(failed)?;
-        return Ok((refined, Made::default()));
+    let whole = (&ready.domain, &ready.lattice);
+    let Some(Crew { workers, mode }) = crew else {
+        return Ok((refiner.refine(whole.0, whole.1).map_err(failed)?, Made::default()));
     };
     let parallel = Parallel::new(workers).cancel(stop.token());
-    let whole = (&ready.domain, &ready.lattice);
-    let run = rounds_on_threads(refiner, whole, &parallel).map_err(|error| match error {
+    let run = match mode {
+        Mode::Rounds => rounds_on_threads(&refiner, whole, &parallel).map(|run| {
+            (run.refined, run.workers, run.owners, run.ending.map_or_else(Some, |_| None))
+        }),
+        Mode::Async => {
+            let refiner = refiner.start(start_of(workers, ready, max_volume));
+            domain_on_threads(&refiner, whole, &parallel)
+                .map(|run| (run.refined, run.workers, run.owners, run.splits.err()))
+        }
+    };
+    let (refined, workers, owners, unfit) = run.map_err(|error| match error {
         RefineError::Domain(error) => failed(error),
         RefineError::Build(error) => Failure::Build { path: name.to_owned(), error },
         RefineError::Run(error @ RunError::Threads { .. }) => Failure::Machine(error.to_string()),
         error => Failure::Other(format!("{}: {error}", show(name))),
     })?;
     // A run that was stopped before has its own reason, and is told of that.
-    let is_whole = matches!(run.refined.outcome, RefineOutcome::Met | RefineOutcome::Excused);
-    let is_idle = run.workers.iter().all(|own| own.local + own.operations == 0);
-    let why = |ending: Result<_, ComplexError>| match ending {
-        Err(why) => why.to_string(),
-        Ok(_) => "nothing was left that workers may insert".to_owned(),
-    };
-    let alone = (is_whole && is_idle).then(|| why(run.ending));
-    Ok((run.refined, Made { workers: run.workers, owners: run.owners, alone }))
+    let is_whole = matches!(refined.outcome, RefineOutcome::Met | RefineOutcome::Excused);
+    let is_idle = workers.iter().all(|own| own.local + own.operations == 0);
+    let nothing = || "nothing was left that workers may insert".to_owned();
+    let alone = (is_whole && is_idle).then(|| unfit.map_or_else(nothing, |why| why.to_string()));
+    let is_timed = mode == Mode::Async && alone.is_none();
+    Ok((refined, Made { workers, owners, alone, is_timed }))
 }
 
 /// Says for people what the workers have done.
@@ -56,6 +95,9 @@ pub(crate) fn print_workers(made: &Made) {
     }
     if made.workers.is_empty() {
         return;
+    }
+    if made.is_timed {
+        console::people("note: made without rounds: another run makes another mesh");
     }
     let count = |own: &WorkerStats| own.local + own.operations;
     let most = made.workers.iter().map(count).max().unwrap_or_default();

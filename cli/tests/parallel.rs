@@ -271,7 +271,7 @@ fn the_simulator_refines_a_domain_without_rounds() {
         let run = ltbw(dir.path(), &[&base[..], &["--mode", "async"], more].concat());
         // The program checks the mesh against the domain.
         assert_eq!(run.code, 0, "{more:?}: {}", run.stderr);
-        let all = "Over their bounds: 0 tetrahedra; boundary items not split: 0";
+        let all = "Left to one processor: 0 tetrahedra, 0 boundary items, and the last slivers: ";
         assert!(run.stdout.contains(all), "{}", run.stdout);
         let report = json(dir.path().join("a.json"));
         assert!(report["simulation"]["operations"].as_u64().unwrap() > 300, "{report}");
@@ -324,6 +324,48 @@ fn every_option_of_the_simulator_is_obeyed() {
         let run = ltbw(dir.path(), &[&["simulate"], wrong].concat());
         assert_eq!(run.code, 2, "{}", run.stderr);
     }
+}
+
+/// Without rounds a mesh depends on the timing, and says so; it is checked as all meshes are, and its
+/// certificate tells the mode.
+#[test]
+fn workers_refine_a_domain_without_rounds() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = ltbw(dir.path(), &["generate", "gear", "-o", "d.poly"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let mesh = ["mesh", "d.poly", "--max-volume", "1e-3", "--workers", "3", "--json", "r.json"];
+    let outputs = ["-o", "m.vtu", "-o", "m.pvtu"];
+    let run = ltbw(dir.path(), &[&mesh[..], &["--mode", "async"], &outputs].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("checked   ") && run.stderr.contains("workers   3, "));
+    let note = "note: made without rounds: another run makes another mesh";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    let report = json(dir.path().join("r.json"));
+    assert_eq!(
+        (&report["outcome"], &report["certificate"]["verdict"]),
+        (&"met".into(), &"passed".into())
+    );
+    assert_eq!(
+        report["certificate"]["binding"]["options"]["mode"], "async",
+        "{}",
+        report["certificate"]
+    );
+    let whole = read_mesh(dir.path().join("m.vtu")).unwrap();
+    let parts = (0..3).map(|k| read_mesh(dir.path().join(format!("m_{k}.vtu"))).unwrap());
+    let sizes: Vec<usize> = parts.map(|part| part.tets.len()).collect();
+    assert!(sizes.iter().sum::<usize>() == whole.tets.len() && !sizes.contains(&0), "{sizes:?}");
+    let limits = ["--plc", "d.poly", "--max-volume", "1e-3", "--radius-edge", "2"];
+    let run = ltbw(dir.path(), &[&["check", "m.vtu"][..], &limits].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let run = ltbw(dir.path(), &["check", "m.vtu", "--certificate", "r.json", "--input", "d.poly"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    // In rounds nothing is said of that, and the certificate has no mode.
+    let run = ltbw(dir.path(), &mesh);
+    assert!(run.code == 0 && !run.stderr.contains(note), "{}", run.stderr);
+    let report = json(dir.path().join("r.json"));
+    assert!(report["certificate"]["binding"]["options"].get("mode").is_none());
+    let run = ltbw(dir.path(), &["mesh", "d.poly", "--mode", "async"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
 }
 
 /// A domain refined by workers that share no mesh: one hash, one set of whole files, and parts

@@ -4,13 +4,15 @@
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Correct, Rule};
-use ltbw::refine::{ComplexError, Refiner};
-use ltbw::refining::{RefineError, SimulatedDomain, simulate_domain};
+use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
+use ltbw::refining::{RefineError, SimulatedDomain, domain_on_threads, simulate_domain};
 use ltbw::simulate::{Bursts, Distribution, Network, Options};
-use ltbw::{Builder, Point, PointSet, invariants};
+use ltbw::threads::Parallel;
+use ltbw::{Builder, CancelToken, Point, PointSet, invariants};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_verify::{Limits, Plc, PlcFacet, conforms};
 use std::collections::HashSet;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 fn prepared(kind: DomainKind) -> Prepared {
     let domain = generate_domain(kind, &Shape::default()).expect("a shape");
@@ -33,15 +35,13 @@ fn plc_of(domain: &Domain) -> Plc {
     }
 }
 
-/// The mesh conforms to the domain and keeps all bounds, by the independent checker; it is part of
-/// the Delaunay mesh of its vertices; and nothing was given up.
-fn check(name: &str, ready: &Prepared, volume: f64, run: &SimulatedDomain) {
-    let own = &run.refined;
-    assert_eq!((own.over, own.refused), (0, 0), "{name}: given up; {:?}", own.splits);
-    let mesh = &own.gathered.mesh;
+/// The mesh conforms to the domain and keeps all bounds, by the independent checker, and is the
+/// Delaunay mesh of its vertices.
+fn check_mesh(name: &str, ready: &Prepared, volume: f64, refined: &Refined) {
+    assert_eq!(refined.outcome, RefineOutcome::Met, "{name}");
+    let mesh = refined.mesh();
     invariants::check_all(mesh).unwrap_or_else(|defect| panic!("{name}: {defect}"));
-    let tets: Vec<[u32; 4]> = own.tets.iter().map(|(v, _)| *v).collect();
-    let tags: Vec<i64> = own.tets.iter().map(|(_, region)| i64::from(*region)).collect();
+    let inside = refined.inside();
     let limits = Limits {
         radius_edge: Some(2.0),
         max_volume: Some(volume),
@@ -52,21 +52,31 @@ fn check(name: &str, ready: &Prepared, volume: f64, run: &SimulatedDomain) {
             .map(|r| r.max_volume.filter(|v| *v > 0.0))
             .collect(),
     };
-    let view = ltbw_verify::Mesh::new(&own.points, &tets);
+    let view = ltbw_verify::Mesh::new(&inside.points, &inside.tets);
     let options = ltbw_verify::Options::default();
     let options = ltbw_verify::Options { numbered_regions: true, ..options };
-    let found = conforms(&view, &plc_of(&ready.domain), Some(&tags), &limits, &options);
+    let plc = plc_of(&ready.domain);
+    let found = conforms(&view, &plc, inside.tet_tags.as_deref(), &limits, &options);
     assert_eq!(found.mesh_defect_count, 0, "{name}: {:?}", found.mesh_defects.first());
     assert!(found.counts.is_empty(), "{name}: {:?} {:?}", found.counts, found.findings.first());
     // All points of the Delaunay mesh, exterior included.
     let vertices: Vec<Point> = mesh.vertices().map(|(_, p)| p).collect();
+    let distinct: HashSet<[u64; 3]> = vertices.iter().map(|p| p.map(f64::to_bits)).collect();
+    assert_eq!(distinct.len(), vertices.len(), "{name}");
     let anew =
         Builder::new().build(&PointSet::new(vertices).expect("finite points")).expect("mesh");
     assert_eq!(mesh.hash().ok(), anew.mesh.hash().ok(), "{name}: no Delaunay mesh");
-    let inserted: u64 = own.splits.inserted.iter().sum();
-    assert_eq!(own.started as u64 + inserted, mesh.num_vertices() as u64, "{name}");
-    let distinct: HashSet<[u64; 3]> = own.points.iter().map(|p| p.map(f64::to_bits)).collect();
-    assert_eq!(distinct.len(), own.points.len(), "{name}");
+}
+
+/// As [`check_mesh`]; and nothing was given up, so that one processor has split slivers alone.
+fn check(name: &str, ready: &Prepared, volume: f64, run: &SimulatedDomain) {
+    let splits = run.splits;
+    assert_eq!(splits.refused, [0, 0], "{name}: given up; {splits:?}");
+    check_mesh(name, ready, volume, &run.refined);
+    let inserted = run.started as u64 + splits.inserted.iter().sum::<u64>();
+    let stats = &run.refined.stats;
+    assert_eq!(inserted + stats.round_points, run.refined.mesh().num_vertices() as u64, "{name}");
+    assert!(stats.round_points * 50 < inserted, "{name}: {stats:?}");
 }
 
 struct Run {
@@ -93,9 +103,9 @@ impl Run {
             (Layout { ownership, ..Layout::new(points, processors) }, config)
         };
         let options = Options { network, seed, check_every: 5003, ..Options::default() };
-        let refiner = Refiner::new().max_volume(volume);
+        let refiner = Refiner::new().max_volume(volume).start(start);
         let domain = (&ready.domain, &ready.lattice);
-        simulate_domain::<Correct>(&refiner, domain, start, layout, &options).expect("a run ends")
+        simulate_domain::<Correct>(&refiner, domain, layout, &options).expect("a run ends")
     }
 }
 
@@ -113,7 +123,7 @@ fn the_papers_problems_conform_on_any_number_of_processors() {
         for processors in [1, 4, 16, 64] {
             let run = Run { processors, ..Run::default() }.of(&ready, volume, 0);
             check(&format!("{kind:?} on {processors}"), &ready, volume, &run);
-            let own = run.refined.splits;
+            let own = run.splits;
             assert!(own.inserted.iter().all(|&points| points > 50), "{kind:?}: {own:?}");
             assert!(own.deferred > 100, "{kind:?}: {own:?}");
             let remote = run.summary.cavities.interface_all();
@@ -159,7 +169,8 @@ fn regions_keep_their_own_bounds() {
         let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
         let run = Run { processors: 6, ..Run::default() }.of(&ready, volume, 0);
         check(kind.name(), &ready, volume, &run);
-        let regions: HashSet<u32> = run.refined.tets.iter().map(|(_, region)| *region).collect();
+        let tags = run.refined.inside().tet_tags.expect("regions");
+        let regions: HashSet<i64> = tags.into_iter().collect();
         let is_single = kind == DomainKind::LBlock;
         assert_eq!(regions.len() == 1, is_single, "{kind:?}: {regions:?}");
     }
@@ -172,7 +183,7 @@ fn a_run_repeats_but_timing_matters() {
     let network = Network { distribution: Distribution::Exponential, ..Network::default() };
     let hash = |seed| {
         let run = Run { network, seed, ..Run::default() }.of(&ready, 1e-3, 0);
-        run.refined.gathered.mesh.hash().expect("a hash")
+        run.refined.mesh().hash().expect("a hash")
     };
     assert_eq!(hash(1), hash(1));
     assert_ne!(hash(1), hash(2));
@@ -184,15 +195,19 @@ fn domains_that_only_rounds_can_refine_are_refused() {
     let layout = |points| (Layout::new(points, 4), Config::new(4));
     let domain = (&ready.domain, &ready.lattice);
     let run = |refiner: Refiner<'_>| {
-        simulate_domain::<Correct>(&refiner, domain, 0, layout, &Options::default())
-            .map(|run| run.refined.splits)
+        let refiner = refiner.start(0);
+        simulate_domain::<Correct>(&refiner, domain, layout, &Options::default())
+            .map(|run| run.splits)
     };
     let of = |what| Err(RefineError::Complex(ComplexError::Unsupported(what)));
     let angles = of("features at small angles, or too near to each other");
     assert_eq!(run(Refiner::new()), angles);
     let rule = |points| (Layout::new(points, 4), Config { rule: Rule::Paper, ..Config::new(4) });
-    let found = simulate_domain::<Correct>(&Refiner::new(), domain, 0, rule, &Options::default());
-    assert_eq!(found.map(|run| run.refined.splits), Err(RefineError::Ageless));
+    let found = simulate_domain::<Correct>(&Refiner::new(), domain, rule, &Options::default());
+    assert_eq!(found.map(|run| run.splits), Err(RefineError::Ageless));
+    let paper = Parallel::new(2).rule(Rule::Paper);
+    let found = domain_on_threads(&Refiner::new(), domain, &paper);
+    assert_eq!(found.map(|run| run.splits), Err(RefineError::Ageless));
 }
 
 #[test]
@@ -200,25 +215,84 @@ fn a_sizing_field_is_met() {
     let ready = prepared(DomainKind::CubeOctahedron);
     let field = |p: Point| 0.1 + 0.1 * p[0];
     let layout = |points| (Layout::new(points, 6), Config::new(6));
-    let refiner = Refiner::new().sizing(&field);
+    let refiner = Refiner::new().sizing(&field).start(0);
     let domain = (&ready.domain, &ready.lattice);
-    let run = simulate_domain::<Correct>(&refiner, domain, 0, layout, &Options::default());
-    let refined = run.expect("a run ends").refined;
-    assert_eq!((refined.over, refined.refused), (0, 0));
+    let run = simulate_domain::<Correct>(&refiner, domain, layout, &Options::default());
+    let run = run.expect("a run ends");
+    assert_eq!((run.splits.refused, run.refined.outcome), ([0, 0], RefineOutcome::Met));
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    let (tets, engine) = (refined.tets.len(), engine.num_tets());
+    let (tets, engine) = (run.refined.num_tets(), engine.num_tets());
     assert!(tets * 4 > engine * 3 && tets * 3 < engine * 4, "{tets} {engine}");
 }
 
-/// A run with too small a budget ends, and says what is over its bounds.
+/// A run with too small a budget ends: no worker exceeds its share.
 #[test]
 fn a_budget_ends_a_run() {
     let ready = prepared(DomainKind::CubeOctahedron);
-    let refiner = Refiner::new().max_volume(1e-4).max_points(200);
+    let corners = ready.domain.vertices.len();
+    let refiner = Refiner::new().max_volume(1e-4).max_points(200).start(0);
     let layout = |points| (Layout::new(points, 4), Config::new(4));
     let domain = (&ready.domain, &ready.lattice);
-    let run = simulate_domain::<Correct>(&refiner, domain, 0, layout, &Options::default());
-    let own = run.expect("a run ends").refined;
-    assert!(own.over > 100, "{own:?}");
-    invariants::check_all(&own.gathered.mesh).expect("a sound mesh");
+    let run = simulate_domain::<Correct>(&refiner, domain, layout, &Options::default());
+    let run = run.expect("a run ends");
+    assert!(run.splits.refused[1] > 100, "{:?}", run.splits);
+    assert_eq!(run.refined.outcome, RefineOutcome::Budget);
+    assert!(run.refined.mesh().num_vertices() <= 200 + corners, "{:?}", run.splits);
+    invariants::check_all(run.refined.mesh()).expect("a sound mesh");
+}
+
+/// Threads in the place of simulated processors: nothing depends on who they are.
+#[test]
+fn threads_refine_domains_without_rounds() {
+    for (kind, volume) in PROBLEMS {
+        let ready = prepared(kind);
+        for workers in [1, 2, 5] {
+            let name = format!("{kind:?} by {workers}");
+            let refiner = Refiner::new().max_volume(volume).start(0);
+            let domain = (&ready.domain, &ready.lattice);
+            let run = domain_on_threads(&refiner, domain, &Parallel::new(workers));
+            let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));
+            check_mesh(&name, &ready, volume, &run.refined);
+            let splits = run.splits.expect("a plain domain");
+            assert_eq!(splits.refused, [0, 0], "{name}: given up; {splits:?}");
+            assert_eq!(run.workers.len(), workers as usize, "{name}");
+            let counted: u64 = run.workers.iter().map(|own| own.local + own.operations).sum();
+            assert!(counted >= splits.inserted.iter().sum(), "{name}: {splits:?}");
+            let owners: HashSet<u32> = run.owners.of(&run.refined, true).into_iter().collect();
+            assert_eq!(owners.len(), workers as usize, "{name}");
+        }
+    }
+}
+
+/// What the mode does not take, the rounds do.
+#[test]
+fn a_domain_that_only_rounds_can_refine_is_refined_by_them() {
+    let ready = prepared(DomainKind::Spike);
+    let (refiner, domain) = (Refiner::new(), (&ready.domain, &ready.lattice));
+    let run = domain_on_threads(&refiner, domain, &Parallel::new(3)).expect("a mesh");
+    assert!(matches!(run.splits, Err(ComplexError::Unsupported(_))) && run.workers.is_empty());
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    assert_eq!(run.refined.mesh().hash(), engine.mesh().hash());
+}
+
+/// A run that is cancelled has a sound mesh.
+#[test]
+fn a_run_that_is_cancelled_has_a_sound_mesh() {
+    let ready = prepared(DomainKind::CubeOctahedron);
+    let token = CancelToken::new();
+    let refiner = Refiner::new().max_volume(1e-4).start(0).cancel(&token);
+    let parallel = Parallel::new(3).cancel(&token);
+    let field = AtomicU32::new(0);
+    // Cancelled as the workers look at their tetrahedra.
+    let sizes = |_: Point| {
+        if field.fetch_add(1, Ordering::Relaxed) == 20_000 {
+            token.cancel();
+        }
+        0.03
+    };
+    let refiner = refiner.sizing(&sizes);
+    let run = domain_on_threads(&refiner, (&ready.domain, &ready.lattice), &parallel);
+    let run = run.expect("a mesh");
+    assert_eq!(run.refined.outcome, RefineOutcome::Cancelled);
+    invariants::check_all(run.refined.mesh()).expect("a sound mesh");
 }

@@ -123,7 +123,7 @@ pub(crate) struct Simulate {
     pub(crate) page: Option<PathBuf>,
 }
 
-/// The mode in which simulated processors refine a domain.
+/// The mode in which workers refine a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Mode {
     // All choose together, then insert: one mesh.

@@ -1,7 +1,7 @@
 //! `simulate --domain --mode async`: bad tetrahedra and the boundary, split by simulated processors
 //! as they come.
 
-use super::domain::{MORE, SHARE, hash_of, planned, planned_run, ready, refiner};
+use super::domain::{MORE, hash_of, planned, planned_run, ready, refiner};
 use super::report::{Made, Report};
 use super::{Run, Simulate, end, failure_of, nothing_to_do, options, options_alone, told};
 use crate::console;
@@ -9,31 +9,15 @@ use crate::figures::{Doing, cost_model, tables};
 use crate::outcome::{Exit, Failure, show};
 use crate::plc::plc_of;
 use crate::progress::Stage;
-use crate::rounds::START;
+use crate::workers::start_of;
+use ltbw::TetMesh;
 use ltbw::domain::Prepared;
 use ltbw::protocol::Correct;
-use ltbw::refining::{RefinedDomain, SimulatedDomain, simulate_domain};
-use ltbw::simulate::{Around, Meshed, Options, Whole};
+use ltbw::refine::{RefineOutcome, Refined};
+use ltbw::refining::{SimulatedDomain, simulate_domain};
+use ltbw::simulate::{Around, Options, Whole};
 use ltbw_verify as verify;
 use std::path::Path;
-
-/// Vertices of each processor at the start: with fewer, most cavities reach an interface.
-const START_EACH: usize = 2048;
-/// Tetrahedra of a mesh for each of the largest volume that its domain holds, about.
-const TETS_PER_VOLUME: f64 = 1.9;
-/// And for each vertex.
-const TETS_PER_VERTEX: f64 = 5.5;
-
-/// Vertices at which the processors begin, at least: a share of what the bound on volumes predicts,
-/// and as many as they can use.
-fn start(args: &Simulate, ready: &Prepared) -> usize {
-    let most = (START_EACH * args.processors as usize).max(START);
-    let volume = ready.report.volume().map_or(0.0, |volume| volume.to_f64());
-    let tets = args.max_volume.map(|bound| TETS_PER_VOLUME * volume / bound);
-    // A conversion of floats saturates.
-    let vertices = tets.map_or(usize::MAX, |tets| (tets / TETS_PER_VERTEX) as usize);
-    args.start.unwrap_or(most.min(vertices / SHARE))
-}
 
 /// `ltbw simulate --domain --mode async`.
 pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
@@ -42,14 +26,17 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     }
     let ready = ready(path)?;
     let options = options(args);
+    let start = args.start.unwrap_or_else(|| start_of(args.processors, &ready, args.max_volume));
+    let refiner = refiner(args).start(start);
     let run = |processors: u32, options: &Options| {
         let planned = |points| planned_run(args, points, processors);
         let _stage = Stage::begin("simulate");
         let domain = (&ready.domain, &ready.lattice);
-        simulate_domain::<Correct>(&refiner(args), domain, start(args, &ready), planned, options)
+        simulate_domain::<Correct>(&refiner, domain, planned, options)
             .map_err(|error| failure_of(path, error))
     };
-    let SimulatedDomain { refined, summary, events } = run(args.processors, &options)?;
+    let done = run(args.processors, &options)?;
+    let SimulatedDomain { refined, splits, started, summary, events } = done;
     if summary.operations() == 0 {
         return Err(nothing_to_do(MORE));
     }
@@ -58,66 +45,72 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         _ => run(1, &options_alone(&options))?.summary,
     };
     let stage = Stage::begin("check");
-    let defects = defects(args, &ready, &refined);
+    let inside = refined.inside();
+    let defects = defects(args, &ready, (&refined, &inside));
     drop(stage);
-    let inside: Vec<[u32; 4]> = refined.tets.iter().map(|&(v, _)| v).collect();
-    let hash = hash_of(&refined.points, &inside)?;
-    let (layout, config) = planned(args, refined.started, args.processors);
-    let vertices = refined.gathered.mesh.num_vertices();
-    let started = refined.started as u64;
-    let around = Around { points: started, started, vertices: vertices as u64, times: 1 };
+    let hash = hash_of(&inside.points, &inside.tets)?;
+    let (layout, config) = planned(args, started, args.processors);
+    let vertices = refined.mesh().num_vertices();
+    let [segments, facets, inner] = splits.inserted;
+    let by_all = (segments + facets + inner) as usize;
+    let around = Around {
+        points: (vertices - by_all) as u64,
+        started: started as u64,
+        vertices: vertices as u64,
+        times: 1,
+    };
     let whole = Whole::of(&summary, &alone, &around, &options);
     let alone = alone.makespan;
-    let [segments, facets, inside] = refined.splits.inserted;
-    let (deferred, over, refused) = (refined.splits.deferred, refined.over, refined.refused);
+    let (deferred, [items, tets]) = (splits.deferred, splits.refused);
     let text = format!(
-        "{}: {} tetrahedra of the domain, {} points after {} vertices ({segments} on segments, \
-         {facets} on facets, {inside} inside), {deferred} gave way to the boundary, on {} \
+        "{}: {} tetrahedra of the domain, {by_all} points after {started} vertices ({segments} on \
+         segments, {facets} on facets, {inner} inside), {deferred} gave way to the boundary, on {} \
          processors ({}), rule {}, latency {} ns ({}), seed {}\nWhich points are made depends on \
-         the timing. A point that gives way counts as a cavity.\nOver their bounds: {over} \
-         tetrahedra; boundary items not split: {refused}\n{}\n{}\nltbw.mesh/1 {hash}\n",
+         the timing. A point that gives way counts as a cavity.\nLeft to one processor: {tets} \
+         tetrahedra, {items} boundary items, and the last slivers: {} points\n{}\n{}\n\
+         ltbw.mesh/1 {hash}\n",
         show(path),
-        refined.tets.len(),
-        vertices - refined.started,
-        refined.started,
+        inside.tets.len(),
         layout.workers,
         args.machine.name(),
         config.rule,
         options.network.latency,
         options.network.distribution.name(),
         args.seed,
+        vertices - started - by_all,
         tables(&summary, &told(Doing::Async, alone, whole)),
         cost_model(&options.costs),
     );
-    let meshed = Meshed { gathered: refined.gathered, summary, events, trace: None };
+    let made = Made { mesh: refined.mesh(), duplicates: 0, summary: &summary, events };
     let settings = Run { args, layout: &layout, config: &config, options: &options };
-    let report = Report::new(settings, &Made::of(&meshed), (alone, whole), &hash, vertices);
-    let report = report.from(started as usize);
+    let report = Report::new(settings, &made, (alone, whole), &hash, vertices).from(started);
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     let exit = end(args, (&json, &text), (&hash, &hash))?;
     if let Some(first) = defects.first() {
         console::people(&format!("defect    {first}"));
         return Ok(Exit::OwnDefect);
     }
-    Ok(if over + refused > 0 { Exit::Defect } else { exit })
+    Ok(if refined.outcome == RefineOutcome::Met { exit } else { Exit::Defect })
 }
 
 /// Whatever the independent checker finds, but bounds that the run knows not to be met.
-fn defects(args: &Simulate, ready: &Prepared, refined: &RefinedDomain) -> Vec<String> {
-    let (tets, tags): (Vec<[u32; 4]>, Vec<i64>) =
-        refined.tets.iter().map(|&(v, region)| (v, i64::from(region))).unzip();
-    let limits = match refined.over {
-        0 => verify::Limits {
+fn defects(
+    args: &Simulate,
+    ready: &Prepared,
+    (refined, inside): (&Refined, &TetMesh),
+) -> Vec<String> {
+    let limits = match refined.outcome {
+        RefineOutcome::Met => verify::Limits {
             radius_edge: Some(args.radius_edge.unwrap_or(2.0)),
             max_volume: args.max_volume,
             ..verify::Limits::default()
         },
         _ => verify::Limits::default(),
     };
-    let mesh = verify::Mesh::new(&refined.points, &tets);
+    let mesh = verify::Mesh::new(&inside.points, &inside.tets);
     let plc = plc_of(ready.judged(), 0.0);
     let options = verify::Options { numbered_regions: true, ..verify::Options::default() };
-    let found = verify::conforms(&mesh, &plc, Some(&tags), &limits, &options);
+    let found = verify::conforms(&mesh, &plc, inside.tet_tags.as_deref(), &limits, &options);
     let mesh = found.mesh_defects.iter().map(|defect| format!("{defect:?}"));
     mesh.chain(found.counts.iter().map(|count| format!("{count:?}"))).collect()
 }

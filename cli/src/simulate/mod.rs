@@ -6,8 +6,7 @@ mod freely;
 mod page;
 mod report;
 
-use args::Mode;
-pub(crate) use args::Simulate;
+pub(crate) use args::{Mode, Simulate};
 
 use crate::console;
 use crate::figures::{self, Doing, SPANS, cost_model, tables, write_trace};

@@ -5,18 +5,20 @@ mod domain;
 mod flags;
 mod news;
 mod rounds;
+mod whole;
 
 pub use domain::{
-    BadItems, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, RefinedDomain,
-    SimulatedDomain, Splits, simulate_domain,
+    BadItems, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, SimulatedDomain,
+    Splits, ThreadedDomain, domain_on_threads, simulate_domain,
 };
 pub use news::{
     DomainNews, KeysTold, PartEnd, ProbeId, Proposal, Sums, WireClosure, WireCorner, WireItem,
 };
 pub use rounds::{
-    Ending, Owners, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN,
-    ThreadedRounds, Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds, unkilled,
+    Ending, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN, ThreadedRounds,
+    Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds, unkilled,
 };
+pub use whole::Owners;
 
 use crate::simulate::MeshError;
 use crate::threads::RunError;

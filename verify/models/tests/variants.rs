@@ -191,10 +191,10 @@ fn refined<C: Variant>(ready: &Prepared, most: u64) -> Result<(usize, u64), Refi
     };
     let network = Network { latency: 300_000, ..Network::default() };
     let options = Options { network, max_events: most, ..Options::default() };
-    let refiner = Refiner::new().max_volume(1e-4);
+    let refiner = Refiner::new().max_volume(1e-4).start(0);
     let domain = (&ready.domain, &ready.lattice);
-    let run = simulate_domain::<C>(&refiner, domain, 0, layout, &options)?;
-    Ok((run.refined.points.len(), run.events))
+    let run = simulate_domain::<C>(&refiner, domain, layout, &options)?;
+    Ok((run.refined.mesh().num_vertices(), run.events))
 }
 
 /// The point of a tetrahedron that is gone takes apart what others have locked, or lies next to a

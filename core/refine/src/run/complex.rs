@@ -1,42 +1,16 @@
 //! A run's boundary and bounds as values, and what one engine does before others refine without
 //! rounds.
 
-use super::{Refiner, Run};
+use super::Run;
 use crate::RefineError;
 use crate::mesh::item::{Item, Queues};
 use crate::mesh::state::Place;
 use crate::queue::split::Refinement;
 use crate::rules::aim::{Aim, Aims};
-use crate::rules::complex::{Complex, ComplexError, Start};
+use crate::rules::complex::{Complex, ComplexError};
 use crate::rules::verdict::Verdict;
 use crate::table::{Map, Set};
 use ltbw_core::cavity::AdmitAll;
-use ltbw_domain::{Domain, Lattice};
-
-impl<'a> Refiner<'a> {
-    /// The complex of a domain, and the mesh that the sequential engine has when there are
-    /// `vertices` vertices and no boundary item waits.
-    ///
-    /// # Errors
-    /// [`ComplexError`] if there is no mesh of the domain, or if it has patches, features at small
-    /// angles, or some of its boundary missing.
-    #[doc(hidden)]
-    pub fn complex(
-        &self,
-        domain: &Domain,
-        lattice: &Lattice,
-        vertices: usize,
-    ) -> Result<(Complex<'a>, Start), ComplexError> {
-        let (mut run, regions) = self.recovered(domain, lattice)?;
-        let most = run.most;
-        let heed = run.heed();
-        run.refinement.seed(most, heed, &mut run.work, &mut AdmitAll);
-        run.refine(vertices)?;
-        run.part_circles()?;
-        let start = Start::of(&run.refinement.state, regions, most);
-        Ok((run.complex()?, start))
-    }
-}
 
 impl<'a> Run<'a> {
     /// The boundary and the bounds as values.
@@ -65,7 +39,7 @@ const LOOKS: usize = 32;
 impl Run<'_> {
     /// Splits boundary items that wait for each other in a circle, until there are none: the point
     /// of each would take the next one out of the mesh. What is left when nothing helps stays.
-    fn part_circles(&mut self) -> Result<(), RefineError> {
+    pub(super) fn part_circles(&mut self) -> Result<(), RefineError> {
         for _ in 0..LOOKS {
             let before = self.refinement.state.mesh.num_vertices();
             for item in self.refinement.circles(&mut self.work) {

@@ -115,12 +115,27 @@ impl<'a> Delegated<'a> {
     /// # Errors
     /// [`ComplexError`] if there are patches or small angles, or nothing to do in rounds.
     pub fn complex(&self) -> Result<(Complex<'a>, Start), ComplexError> {
-        if self.run.stop.is_some() {
-            return Err(ComplexError::Unsupported("a run that has stopped before the rounds"));
-        }
-        let complex = self.run.complex()?;
+        let complex = self.fit()?;
         let start = Start::of(&self.run.refinement.state, self.regions.clone(), self.run.most);
         Ok((complex, start))
+    }
+
+    /// As [`Delegated::complex`], after those boundary items were split that wait for each other in
+    /// a circle: for others that cannot do that.
+    ///
+    /// # Errors
+    /// As of [`Delegated::complex`], and nothing was split; or a broken invariant.
+    pub fn complex_without_circles(&mut self) -> Result<(Complex<'a>, Start), ComplexError> {
+        self.fit()?;
+        self.run.part_circles()?;
+        self.complex()
+    }
+
+    fn fit(&self) -> Result<Complex<'a>, ComplexError> {
+        match self.run.stop {
+            Some(_) => Err(ComplexError::Unsupported("a run that has stopped before the rounds")),
+            None => self.run.complex(),
+        }
     }
 
     /// Carries out the rounds after all.

@@ -67,6 +67,8 @@ pub struct Splits {
     pub deferred: u64,
     /// Points that did not do what they were made for.
     pub useless: u64,
+    /// Boundary items, and tetrahedra, that were given up.
+    pub refused: [u64; 2],
 }
 
 impl Splits {
@@ -74,6 +76,7 @@ impl Splits {
         self.inserted.iter_mut().zip(other.inserted).for_each(|(sum, own)| *sum += own);
         self.deferred += other.deferred;
         self.useless += other.useless;
+        self.refused.iter_mut().zip(other.refused).for_each(|(sum, own)| *sum += own);
     }
 }
 
@@ -151,6 +154,7 @@ impl BadItems {
 
     /// Ends an entry that cannot be split.
     fn refuse(&mut self, mesh: &DomainMesh<'_>, entry: &Entry) {
+        self.splits.refused[usize::from(entry.is_tet())] += 1;
         if !entry.is_tet() {
             mesh.refuse(entry.key);
         }

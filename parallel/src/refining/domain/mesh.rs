@@ -180,10 +180,6 @@ impl<'c> DomainMesh<'c> {
         self.refused.borrow_mut().insert(key);
     }
 
-    pub(super) fn refused(&self) -> usize {
-        self.refused.borrow().len()
-    }
-
     /// The patches of a cavity that is filled.
     fn filled(
         &mut self,

@@ -35,53 +35,90 @@ pub use mesh::DomainMesh;
 pub use values::{DomainPatch, DomainPiece, DomainPoint};
 
 use super::RefineError;
-use crate::mesh::{Blocks, Gathered, Layout, Prepared, SharedInput, VertexName, gather, given};
+use super::whole::{Owners, Whole, put_together};
+use crate::mesh::{Blocks, Layout, Prepared, SharedInput, VertexName, given};
 use crate::metrics::Summary;
-use crate::protocol::{BlockId, Config, Rule, Rules, Source, Worker, WorkerId};
+use crate::protocol::{BlockId, Config, Correct, Rule, Rules, Source, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
+use crate::threads::{Parallel, WorkerStats};
 use ltbw_core::order::{Curve, bounding_box};
-use ltbw_core::topology::INFINITE;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_exact::{Mode, Point, PointSet};
-use ltbw_refine::{Carrier, Complex, Refiner, Start};
+use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, Handed, Refined, Refiner, Start};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
-
-/// A domain that many processors have refined.
-#[derive(Debug)]
-pub struct RefinedDomain {
-    /// The Delaunay mesh of all points, exterior included, in the coordinates of the domain.
-    pub gathered: Gathered,
-    /// The points, in the coordinates of the domain.
-    pub points: Vec<Point>,
-    /// The tetrahedra of the domain, and their regions.
-    pub tets: Vec<([u32; 4], u32)>,
-    /// Tetrahedra that are over their bounds.
-    pub over: u64,
-    /// Boundary items that could not be split.
-    pub refused: u64,
-    /// The figures of the splits, over all workers.
-    pub splits: Splits,
-    /// Points at the start.
-    pub started: usize,
-}
 
 /// A domain that simulated processors have refined.
 #[derive(Debug)]
 pub struct SimulatedDomain {
-    /// The mesh.
-    pub refined: RefinedDomain,
+    /// The refined domain.
+    pub refined: Refined,
+    /// The figures of the splits, over all workers.
+    pub splits: Splits,
+    /// Points at the start.
+    pub started: usize,
     /// The figures of time.
     pub summary: Summary,
     /// Events of the simulation.
     pub events: u64,
 }
 
+/// A domain that threads have refined.
+#[derive(Debug)]
+pub struct ThreadedDomain {
+    /// The refined domain.
+    pub refined: Refined,
+    /// The figures of each worker; of none if one thread has refined all.
+    pub workers: Vec<WorkerStats>,
+    /// The workers that have its tetrahedra.
+    pub owners: Owners,
+    /// The figures of the splits, over all workers, or why they have made none.
+    pub splits: Result<Splits, ComplexError>,
+}
+
 /// A worker that refines a domain.
 pub type DomainNode<'c, C> = Worker<DomainMesh<'c>, BadItems, C>;
 
-/// Refines a domain on simulated processors, from the mesh that the sequential engine has at
-/// `start` vertices. Virtual time is that of the processors, from there on.
+/// A domain that workers have refined, with their figures and what their run has told.
+struct Refining<R> {
+    refined: Refined,
+    splits: Splits,
+    owners: Owners,
+    told: R,
+}
+
+/// The work of workers, whichever way they run: `run` is given them, gives them back, and tells of
+/// the run. What they leave, such as slivers, the engine does that has begun.
+///
+/// # Errors
+/// Those of `run`; [`RefineError`] if the domain has no mesh.
+fn refine<'a, C: Rules, R>(
+    delegated: Delegated<'a>,
+    (complex, start): (Complex<'a>, &Start),
+    (layout, config): (Layout, Config),
+    run: impl FnOnce(Vec<DomainNode<'a, C>>) -> Result<(Vec<DomainNode<'a, C>>, R), RefineError>,
+) -> Result<Refining<R>, RefineError> {
+    // The budget is shared out beforehand: workers do not know what others have made.
+    let is_made = |c: &&Carrier| !matches!(c, Carrier::Corner(_));
+    let left = start.most.saturating_sub(start.carriers.iter().filter(is_made).count() as u64);
+    let items =
+        |me, mesh: &DomainMesh<'_>| BadItems::new(me, left / u64::from(layout.workers), mesh);
+    let (workers, common) = prepare::<_, C>(complex, start, &layout, config, items)?;
+    let (mut splits, mut parts) = (Splits::default(), Vec::new());
+    let (workers, told) = run(workers)?;
+    for worker in workers {
+        let (mesh, source, _) = worker.into_parts();
+        splits.add(&source.splits);
+        parts.push(mesh);
+    }
+    let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
+    let (asked, candidates, thin, stats) = (Vec::new(), 0, None, delegated.stats());
+    let handed = Handed { mesh, carriers, regions, asked, candidates, thin, stats };
+    Ok(Refining { refined: delegated.finish(handed)?, splits, owners: Owners(firsts), told })
+}
+
+/// Refines a domain on simulated processors, from the mesh on that the sequential engine has where
+/// rounds would begin ([`Refiner::start`]). Virtual time is that of the processors, from there on.
 ///
 /// # Errors
 /// [`RefineError`] if the domain has no mesh, or one that only the rounds can refine, or if the run
@@ -89,7 +126,6 @@ pub type DomainNode<'c, C> = Worker<DomainMesh<'c>, BadItems, C>;
 pub fn simulate_domain<C: Rules>(
     refiner: &Refiner<'_>,
     (domain, lattice): (&Domain, &Lattice),
-    start: usize,
     layout: impl Fn(usize) -> (Layout, Config),
     options: &Options,
 ) -> Result<SimulatedDomain, RefineError> {
@@ -97,15 +133,47 @@ pub fn simulate_domain<C: Rules>(
     if layout(0).1.rule == Rule::Paper {
         return Err(RefineError::Ageless);
     }
-    let (complex, start) = refiner.complex(domain, lattice, start)?;
-    let (layout, config) = layout(start.points.len());
-    let items = |me, mesh: &DomainMesh<'_>| BadItems::new(me, start.most, mesh);
-    let (workers, common) = prepare::<_, C>(complex, &start, &layout, config, items)?;
+    let mut delegated = refiner.delegate(domain, lattice)?;
+    let (complex, start) = delegated.complex_without_circles()?;
     let options = Options { balance: None, storm: None, ..options.clone() };
-    let run = simulate(workers, &options).map_err(MeshError::from)?;
-    let Simulation { workers, summary, events, .. } = run;
-    let refined = collect(workers, common, start.points.len())?;
-    Ok(SimulatedDomain { refined, summary, events })
+    let run = |workers| {
+        let run = simulate(workers, &options).map_err(MeshError::from)?;
+        let Simulation { workers, summary, events, .. } = run;
+        Ok((workers, (summary, events)))
+    };
+    let started = start.points.len();
+    let done = refine::<C, _>(delegated, (complex, &start), layout(started), run)?;
+    let Refining { refined, splits, told: (summary, events), .. } = done;
+    Ok(SimulatedDomain { refined, splits, started, summary, events })
+}
+
+/// Refines a domain on the threads of `parallel`, which share no mesh, as points come. The mesh
+/// depends on the timing. A domain that only rounds can refine is refined by these.
+///
+/// # Errors
+/// [`RefineError`] if the domain has no mesh, or if a worker has failed.
+pub fn domain_on_threads(
+    refiner: &Refiner<'_>,
+    (domain, lattice): (&Domain, &Lattice),
+    parallel: &Parallel<'_>,
+) -> Result<ThreadedDomain, RefineError> {
+    let config = parallel.config();
+    if config.rule == Rule::Paper {
+        return Err(RefineError::Ageless);
+    }
+    let mut delegated = refiner.delegate(domain, lattice)?;
+    let (complex, start) = match delegated.complex_without_circles() {
+        Ok(whole) => whole,
+        Err(unfit) => {
+            let (refined, owners) = (delegated.go_on()?, Owners::default());
+            return Ok(ThreadedDomain { refined, workers: Vec::new(), owners, splits: Err(unfit) });
+        }
+    };
+    let run = |nodes| Ok(parallel.run_workers(nodes)?.into_iter().unzip());
+    let layout = (parallel.plan_for(start.points.len()), config);
+    let done = refine::<Correct, _>(delegated, (complex, &start), layout, run)?;
+    let Refining { refined, splits, owners, told: workers } = done;
+    Ok(ThreadedDomain { refined, workers, owners, splits: Ok(splits) })
 }
 
 /// Workers, and all that they share.
@@ -173,41 +241,4 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
         Worker::new(config, directory, mesh, source)
     });
     Ok((workers.collect(), common))
-}
-
-/// Puts together what workers have at the end.
-fn collect<C: Rules>(
-    workers: Vec<DomainNode<'_, C>>,
-    common: SharedInput,
-    started: usize,
-) -> Result<RefinedDomain, RefineError> {
-    let mode = common.mode;
-    let mut at: FxHashMap<VertexName, Point> = FxHashMap::default();
-    let mut named: Vec<([VertexName; 4], u32)> = Vec::new();
-    let (mut splits, mut over, mut refused) = (Splits::default(), 0, 0);
-    let mut meshes = Vec::new();
-    for worker in workers {
-        let (mesh, source, _) = worker.into_parts();
-        for (t, v) in mesh.inner.tets().tets().filter(|(_, v)| v[3] != INFINITE) {
-            let region = mesh.region(t);
-            let points = v.map(|v| mesh.point(v));
-            over += u64::from(mesh.complex.is_over(points.each_ref(), region));
-            if region != 0 {
-                let names = v.map(|v| mesh.inner.name(v));
-                at.extend(names.into_iter().zip(points));
-                named.push((names, region));
-            }
-        }
-        refused += mesh.refused() as u64;
-        splits.add(&source.splits);
-        meshes.push(mesh.inner);
-    }
-    // Given vertices have their own numbers, others those after them.
-    let mut names: Vec<VertexName> = at.keys().copied().collect();
-    names.sort_unstable();
-    let places: FxHashMap<VertexName, u32> = names.iter().copied().zip(0..).collect();
-    let points = names.iter().map(|name| mode.from_kernel(at[name])).collect();
-    let tets = named.iter().map(|(v, region)| (v.map(|name| places[&name]), *region)).collect();
-    let gathered = gather(meshes, common).map_err(MeshError::from)?;
-    Ok(RefinedDomain { gathered, points, tets, over, refused, splits, started })
 }

@@ -52,19 +52,18 @@ pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
 
 use super::RefineError;
 use super::domain::{DomainMesh, prepare};
-use super::flags::Flags;
+use super::whole::{Owners, Whole, put_together};
 use crate::balance::Workload;
-use crate::mesh::{Layout, LocalMesh, SharedInput, VertexName, gather, given};
+use crate::mesh::{Layout, SharedInput};
 use crate::metrics::Summary;
 use crate::protocol::{BlockId, Config, Correct, Rules, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
-use crate::threads::{Parallel, RunError, WorkerStats};
-use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use crate::threads::{Parallel, WorkerStats};
+use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_refine::{
     Asked, Carrier, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start,
 };
-use rayon::prelude::*;
 use source::Pending;
 
 /// A worker that refines a domain in rounds.
@@ -99,22 +98,6 @@ pub struct ThreadedRounds {
     pub ending: Result<Ending, ComplexError>,
     /// The figures of their rounds.
     pub figures: RoundFigures,
-}
-
-/// The owners of tetrahedra: by worker the first slot of its tetrahedra when the workers' rounds
-/// had ended; of none if one thread has refined all.
-#[derive(Clone, Debug, Default)]
-pub struct Owners(Vec<usize>);
-
-impl Owners {
-    /// The worker of each tetrahedron of [`Refined::inside`] or, with the exterior, of
-    /// [`Refined::with_exterior`]; 0 if one thread has refined all. What was made when the workers'
-    /// rounds had ended belongs to the one whose slot it has, or to the last one.
-    pub fn of(&self, refined: &Refined, exterior: bool) -> Vec<u32> {
-        let owner = |t: TetId| self.0.partition_point(|&first| first <= t.index());
-        let listed = refined.listed(exterior).into_iter();
-        listed.map(|t| owner(t).saturating_sub(1) as u32).collect()
-    }
 }
 
 /// The work that workers leave to one, how they have ended, and the first slot of each.
@@ -257,46 +240,25 @@ fn left_by<C: Rules>(
     before: RefineStats,
     figures: &mut RoundFigures,
 ) -> Result<Left, RefineError> {
-    let mut made: Vec<(VertexName, Carrier)> = Vec::new();
-    // The mesh has all slots of one worker after those of another.
-    let mut regions: Vec<u32> = Vec::new();
-    let mut firsts = Vec::new();
-    let (mut meshes, mut asked, mut thin) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut parts, mut asked, mut all_thin) = (Vec::new(), Vec::new(), Vec::new());
     let (mut ending, mut candidates) = (Ending::Done, 0);
     let before_all = [figures.searches, figures.ahead];
     let mut sums = before_all;
     for worker in workers {
-        let (mut mesh, source, _) = worker.into_parts();
-        let first = regions.len();
-        firsts.push(first);
-        match regions.is_empty() {
-            true => regions = mesh.take_regions(),
-            false => regions.extend(mesh.take_regions()),
-        }
-        let is_used = used_vertices(&mesh.inner);
-        let used = VertexId::below(mesh.inner.num_vertices() as u32 + 1)
-            .filter(|v| is_used.has(v.index()));
-        let named = used.filter(|&v| v != INFINITE).map(|v| (mesh.inner.name(v), mesh.carrier(v)));
-        made.extend(named.filter(|&(name, _)| given(name).is_none()));
-        let me = mesh.me();
-        let (pending, counted, own_thin, end, own) = source.into_parts(&mesh);
-        thin.extend(own_thin.into_iter().map(|t| TetId::at(first + t.index())));
+        let (mesh, source, _) = worker.into_parts();
+        let (pending, counted, thin, end, own) = source.into_parts(&mesh);
+        all_thin.push(thin);
         let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
         asked.extend(pending.into_iter().map(left));
         let counts = [own.searches, own.ahead].into_iter().zip(before_all);
         sums.iter_mut().zip(counts).for_each(|(sum, (own, before))| *sum += own - before);
-        if me == WorkerId::default() {
+        if mesh.me() == WorkerId::default() {
             (ending, candidates, *figures) = (end.unwrap_or(Ending::Irregular), counted, own);
         }
-        meshes.push(mesh.inner);
+        parts.push(mesh);
     }
     [figures.searches, figures.ahead] = sums;
-    // Vertices that were made have the numbers after those given, in the order of their names.
-    made.par_sort_unstable_by_key(|&(name, _)| name);
-    made.dedup_by_key(|&mut (name, _)| name);
-    let given_carriers = common.numbers.iter().map(|&k| start.carriers[k as usize]);
-    let carriers = given_carriers.chain(made.into_iter().map(|(_, carrier)| carrier)).collect();
-    let mesh = gather(meshes, common).map_err(RunError::from)?.mesh;
+    let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
     let [rounds, segments, facets, inside] = figures.rounds;
     let stats = RefineStats {
         rounds,
@@ -307,25 +269,12 @@ fn left_by<C: Rules>(
         ..before
     };
     // Workers look at all that they make, and have ended as none was over its bounds.
-    let thin = (ending == Ending::Done).then_some(thin);
+    let thin = (ending == Ending::Done).then(|| {
+        let all = firsts.iter().zip(all_thin);
+        all.flat_map(|(first, own)| own.into_iter().map(move |t| TetId::at(first + t.index())))
+            .collect()
+    });
     Ok((Handed { carriers, regions, asked, candidates, thin, stats, mesh }, ending, firsts))
-}
-
-/// Which vertices tetrahedra of a submesh have, by number.
-fn used_vertices(mesh: &LocalMesh) -> Flags {
-    let tets = mesh.tets();
-    let slots = tets.topology().slots() as u32;
-    let size = slots.div_ceil(rayon::current_num_threads() as u32).max(1);
-    let of_share = |share: u32| {
-        let mut is_used = Flags::default();
-        let own = (share * size..slots.min((share + 1) * size)).map(TetId::new);
-        for t in own.filter(|&t| tets.is_live(t)) {
-            tets.vertices(t).into_iter().for_each(|v| is_used.set(v.index(), true));
-        }
-        is_used
-    };
-    let shares = (0..slots.div_ceil(size)).into_par_iter();
-    shares.map(of_share).reduce_with(Flags::join).unwrap_or_default()
 }
 
 impl<C> Workload for Rounds<C> {
