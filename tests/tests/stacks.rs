@@ -96,8 +96,8 @@ impl Case {
     }
 }
 
-/// Runs `judge` for every seed, in more than the usual number of them on every processor, and
-/// fails with all that it has found wrong.
+/// Runs `judge` for every seed, on all processors if there are more than the usual ones, and fails
+/// with all that it has found wrong.
 fn for_each_stack(what: &str, judge: impl Fn(u64) -> Vec<Result<(), String>> + Sync) {
     let seeds = seeds(USUAL);
     let count = seeds.clone().count();
@@ -120,7 +120,7 @@ fn for_each_stack(what: &str, judge: impl Fn(u64) -> Vec<Result<(), String>> + S
         }
     };
     let processors = available_parallelism().map_or(1, usize::from);
-    let together = if count > USUAL as usize { processors } else { 1 };
+    let together = if seeds.end > u64::from(USUAL) { processors } else { 1 };
     std::thread::scope(|scope| {
         (0..together).for_each(|_| drop(scope.spawn(work)));
     });
@@ -147,7 +147,7 @@ fn stacks_meet_their_bounds() {
     for_each_stack("stacks", |seed| {
         let case = Case::new(seed);
         let all = [None, Some(3_000.0), Some(30_000.0)];
-        let is_usual = seeds(USUAL).count() <= USUAL as usize;
+        let is_usual = seeds(USUAL).end <= u64::from(USUAL);
         let parts = match seed % 10 {
             _ if !is_usual => &all[..],
             0 => &all[2..],

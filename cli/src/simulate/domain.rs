@@ -58,7 +58,7 @@ pub(super) fn hash_of(points: &[Point], tets: &[[u32; 4]]) -> Result<String, Fai
 /// `ltbw simulate --domain`.
 pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     if args.storm.is_some() {
-        return Err(Failure::Usage("--storm moves blocks, which no domain does".to_owned()));
+        return Err(Failure::Usage("--storm moves blocks, which rounds do not".to_owned()));
     }
     let ready = ready(path)?;
     let (told, vertices) = attempt(args, path, &ready, args.start.unwrap_or(START))?;

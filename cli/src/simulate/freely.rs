@@ -21,9 +21,6 @@ use std::path::Path;
 
 /// `ltbw simulate --domain --mode async`.
 pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
-    if args.storm.is_some() {
-        return Err(Failure::Usage("--storm moves blocks, which --mode async does not".to_owned()));
-    }
     let ready = ready(path)?;
     let options = options(args);
     let start = args.start.unwrap_or_else(|| start_of(args.processors, &ready, args.max_volume));

@@ -257,12 +257,12 @@ impl LocalMesh {
     }
 
     /// Removes the tetrahedra of a block: all of them, or those made after it had moved. `leaves`
-    /// is false for a known-bad variant only.
-    pub(super) fn extract_block(
+    /// is false for a known-bad variant only. `each` is told them before, in their order.
+    pub(crate) fn extract_block(
         &mut self,
-        block: BlockId,
-        leaves: bool,
+        (block, leaves): (BlockId, bool),
         moved: &mut dyn FnMut(TetId, Handle),
+        each: impl FnMut(TetId),
     ) -> Vec<Moving> {
         let tets = self.strays.remove(&block).unwrap_or_else(|| {
             // From now on an insertion beside the block may make tetrahedra that belong to it.
@@ -273,6 +273,7 @@ impl LocalMesh {
             let all = self.tets.tets().filter(|&(_, v)| self.block_with(v) == block);
             all.map(|(t, _)| t).collect()
         });
+        tets.iter().copied().for_each(each);
         let index: FxHashMap<TetId, u32> = tets.iter().copied().zip(0..).collect();
         let mut cargo = Vec::with_capacity(tets.len());
         let mut far: Vec<(FaceId, Handle)> = Vec::new();

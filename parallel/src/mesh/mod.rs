@@ -206,7 +206,7 @@ impl LocalMesh {
         self.tets.tets().find(|&(_, v)| !is_mine(v)).map(|(t, _)| t)
     }
 
-    fn block_of(&self, t: TetId) -> BlockId {
+    pub(crate) fn block_of(&self, t: TetId) -> BlockId {
         self.block_with(self.tets.vertices(t))
     }
 
@@ -465,7 +465,7 @@ impl Submesh for LocalMesh {
         moved: &mut dyn FnMut(TetId, Handle),
     ) -> Vec<Moving> {
         // R16
-        self.extract_block(block, C::LEAVES_BLOCKS, moved)
+        self.extract_block((block, C::LEAVES_BLOCKS), moved, |_| {})
     }
 
     fn adopt(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {

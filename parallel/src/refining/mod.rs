@@ -8,8 +8,8 @@ mod rounds;
 mod whole;
 
 pub use domain::{
-    BadItems, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, SimulatedDomain,
-    Splits, ThreadedDomain, domain_on_threads, simulate_domain,
+    BadItems, DomainCargo, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint,
+    SimulatedDomain, Splits, ThreadedDomain, domain_on_threads, simulate_domain,
 };
 pub use news::{
     DomainNews, KeysTold, PartEnd, ProbeId, Proposal, Sums, WireClosure, WireCorner, WireItem,

@@ -2,10 +2,11 @@
 
 use super::mesh::DomainMesh;
 use super::values::{
-    ASKED, BoundVertex, DomainPatch, DomainPiece, DomainPoint, KEY, NEAR, carriers_bytes,
+    ASKED, BoundVertex, DomainCargo, DomainPatch, DomainPiece, DomainPoint, KEY, NEAR,
+    carriers_bytes,
 };
 use crate::check::{Inspect, Seen, Sent};
-use crate::mesh::{LocalMesh, Moving, WireVertex};
+use crate::mesh::{LocalMesh, WireVertex};
 use crate::metrics::SubmeshSize;
 use crate::payload::Payload;
 use crate::protocol::Name;
@@ -35,8 +36,13 @@ impl Payload for DomainMesh<'_> {
         LocalMesh::patch_bytes(&own.patch) + extra + first + 1
     }
 
-    fn cargo_bytes(cargo: &Vec<Moving>) -> u64 {
-        LocalMesh::cargo_bytes(cargo)
+    fn cargo_bytes(cargo: &DomainCargo) -> u64 {
+        let DomainCargo { tets, bound, regions } = cargo;
+        let mut names: Vec<_> = tets.iter().flat_map(|own| own.v).map(|own| own.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        let extra = carriers_bytes(names.len(), bound) + 4 * regions.len() as u64;
+        LocalMesh::cargo_bytes(tets) + extra
     }
 
     fn news_bytes(news: &DomainNews) -> u64 {
@@ -67,8 +73,8 @@ impl Inspect for DomainMesh<'_> {
         LocalMesh::named(&patch.patch)
     }
 
-    fn carried(cargo: &Vec<Moving>) -> Vec<Sent> {
-        LocalMesh::carried(cargo)
+    fn carried(cargo: &DomainCargo) -> Vec<Sent> {
+        LocalMesh::carried(&cargo.tets)
     }
 
     fn kinds(news: &DomainNews) -> Vec<&'static str> {

@@ -37,6 +37,52 @@ struct Entry {
     key: ItemKey,
     of: u32,
     attempt: u8,
+    /// The block of its tetrahedron.
+    block: BlockId,
+}
+
+/// Entries by urgency, counted by block.
+#[derive(Debug, Default)]
+struct Waiting {
+    all: BinaryHeap<Entry>,
+    counts: FxHashMap<BlockId, u64>,
+}
+
+impl Waiting {
+    fn push(&mut self, entry: Entry) {
+        *self.counts.entry(entry.block).or_default() += 1;
+        self.all.push(entry);
+    }
+
+    fn pop(&mut self) -> Option<Entry> {
+        let entry = self.all.pop()?;
+        if let Some(count) = self.counts.get_mut(&entry.block) {
+            *count -= 1;
+        }
+        Some(entry)
+    }
+
+    fn extend(&mut self, entries: impl IntoIterator<Item = Entry>) {
+        entries.into_iter().for_each(|entry| self.push(entry));
+    }
+
+    /// Takes out all entries of a block.
+    fn take(&mut self, block: BlockId) -> Vec<Entry> {
+        self.counts.remove(&block);
+        let (gone, stay): (Vec<Entry>, Vec<Entry>) =
+            self.all.drain().partition(|entry| entry.block == block);
+        self.all = stay.into();
+        gone
+    }
+
+    fn clear(&mut self) {
+        self.all.clear();
+        self.counts.clear();
+    }
+
+    fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
 }
 
 /// A point for an entry.
@@ -84,7 +130,7 @@ impl Splits {
 #[derive(Debug)]
 pub struct BadItems {
     me: WorkerId,
-    waiting: BinaryHeap<Entry>,
+    waiting: Waiting,
     /// Entries behind boundary items of this list.
     behind: FxHashMap<ItemKey, Vec<Entry>>,
     /// Tetrahedra behind boundary items of other lists, which will tell of their ends.
@@ -108,7 +154,7 @@ impl BadItems {
     pub(super) fn new(me: WorkerId, most: u64, mesh: &DomainMesh<'_>) -> Self {
         let mut own = Self {
             me,
-            waiting: BinaryHeap::new(),
+            waiting: Waiting::default(),
             behind: FxHashMap::default(),
             behind_far: FxHashMap::default(),
             waiters: FxHashMap::default(),
@@ -214,6 +260,7 @@ impl BadItems {
             key,
             of,
             attempt: 0,
+            block: mesh.block_of(tet),
         });
     }
 
@@ -313,6 +360,7 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
                     key: TET,
                     of: 0,
                     attempt: 0,
+                    block: mesh.block_of(tet),
                 });
             }
         }
@@ -348,8 +396,12 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
         }
     }
 
-    /// No block moves.
-    fn remove_block(&mut self, _: &DomainMesh<'c>, _: BlockId) -> Vec<DomainPoint> {
+    /// Whoever gets the block looks at its tetrahedra, and splits boundary items there when somebody
+    /// asks: those that were to be split here are done with.
+    fn remove_block(&mut self, _: &DomainMesh<'c>, block: BlockId) -> Vec<DomainPoint> {
+        for entry in self.waiting.take(block) {
+            self.end(&entry);
+        }
         Vec::new()
     }
 
@@ -379,10 +431,10 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
 
 impl Workload for BadItems {
     fn left(&self) -> u64 {
-        self.waiting.len() as u64
+        self.waiting.all.len() as u64
     }
 
-    fn in_block(&self, _: BlockId) -> u64 {
-        0
+    fn in_block(&self, block: BlockId) -> u64 {
+        self.waiting.counts.get(&block).copied().unwrap_or_default()
     }
 }

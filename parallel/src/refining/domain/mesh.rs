@@ -10,9 +10,10 @@ use super::chosen::{AtOnce, Slots, insert_chosen};
 use super::closure::{Located, LockedClosure, LockedRuling};
 use super::regions::regions;
 use super::values::{
-    Asked, BoundVertex, DomainPatch, DomainPiece, DomainPoint, End, ItemKey, subface_key,
+    Asked, BoundVertex, DomainCargo, DomainPatch, DomainPiece, DomainPoint, End, ItemKey,
+    subface_key,
 };
-use crate::mesh::{LocalMesh, Moving, Patch, Piece, VertexName};
+use crate::mesh::{LocalMesh, Patch, Piece, VertexName};
 use crate::protocol::{
     BlockId, Correct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
     SubmeshError, Ticket, Walk, WorkerId,
@@ -49,6 +50,8 @@ pub struct DomainMesh<'c> {
     pieces: Vec<Piece>,
     /// Boundary items that cannot be split, as far as this worker has tried.
     pub(super) refused: RefCell<FxHashSet<ItemKey>>,
+    /// Does no block move?
+    is_fixed: bool,
 }
 
 impl<'c> DomainMesh<'c> {
@@ -79,6 +82,7 @@ impl<'c> DomainMesh<'c> {
             star: Vec::new(),
             pieces: Vec::new(),
             refused: RefCell::default(),
+            is_fixed: true,
         }
     }
 
@@ -87,6 +91,25 @@ impl<'c> DomainMesh<'c> {
         self.inner.expect_tets(tets);
         expect(&mut self.slots.regions, tets);
         self.carriers.expect_tets(tets);
+    }
+
+    /// Lets blocks move.
+    pub(super) fn let_blocks_move(&mut self) {
+        self.is_fixed = false;
+    }
+
+    /// Enters the carriers of vertices on the boundary.
+    fn enter_carriers(&mut self, bound: Vec<BoundVertex>) {
+        for (name, carrier) in bound {
+            if let Some(v) = self.inner.number(name) {
+                self.carriers.set(v, carrier);
+            }
+        }
+    }
+
+    /// The block of a tetrahedron.
+    pub(super) fn block_of(&self, t: TetId) -> BlockId {
+        self.inner.block_of(t)
     }
 
     /// Asks the processor to fetch a tetrahedron, and its region.
@@ -283,7 +306,7 @@ impl Submesh for DomainMesh<'_> {
     type Point = DomainPoint;
     type Piece = DomainPiece;
     type Patch = DomainPatch;
-    type Cargo = Vec<Moving>;
+    type Cargo = DomainCargo;
     type News = DomainNews;
 
     /// No walk: a point of the boundary begins at its tetrahedron although that is locked. It waits
@@ -426,11 +449,7 @@ impl Submesh for DomainMesh<'_> {
         if self.inner.error().is_some() {
             return;
         }
-        for (name, carrier) in bound {
-            if let Some(v) = self.inner.number(name) {
-                self.carriers.set(v, carrier);
-            }
-        }
+        self.enter_carriers(bound);
         for (k, &t) in self.inner.installed().iter().enumerate() {
             let ghost = self.inner.tets().vertices(t)[3] == INFINITE;
             let region = regions.get(k).or(regions.first()).copied().unwrap_or_default();
@@ -438,21 +457,37 @@ impl Submesh for DomainMesh<'_> {
         }
     }
 
-    /// No block moves.
-    fn is_block_locked(&self, _: BlockId) -> bool {
-        true
+    fn is_block_locked(&self, block: BlockId) -> bool {
+        self.is_fixed || self.inner.is_block_locked(block)
     }
 
     fn extract<C: Rules>(
         &mut self,
         block: BlockId,
         moved: &mut dyn FnMut(TetId, Handle),
-    ) -> Vec<Moving> {
-        self.inner.extract::<C>(block, moved)
+    ) -> DomainCargo {
+        let Self { inner, slots, carriers, .. } = self;
+        let mut regions = Vec::new();
+        let each = |t: TetId| regions.push(slots.region(t));
+        let tets = inner.extract_block((block, C::LEAVES_BLOCKS), moved, each);
+        let numbers = tets.iter().flat_map(|own| own.v).filter_map(|own| inner.number(own.name));
+        let mut on: Vec<VertexId> = numbers.filter(|&v| carriers.is_bound(v)).collect();
+        on.sort_unstable();
+        on.dedup();
+        let bound = on.into_iter().map(|v| (inner.name(v), carriers.at(v))).collect();
+        DomainCargo { tets, bound, regions }
     }
 
-    fn adopt(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
-        self.inner.adopt(cargo, made);
+    fn adopt(&mut self, cargo: DomainCargo, made: &mut Vec<Name>) {
+        let DomainCargo { tets, bound, regions } = cargo;
+        self.inner.adopt(tets, made);
+        if self.inner.error().is_some() {
+            return;
+        }
+        self.enter_carriers(bound);
+        for (&t, region) in self.inner.installed().iter().zip(regions) {
+            self.slots.put(t, region);
+        }
     }
 
     fn made_at_once(&self) -> &[TetId] {

@@ -32,7 +32,7 @@ mod values;
 pub(super) use describe::is_near;
 pub use list::{BadItems, Splits};
 pub use mesh::DomainMesh;
-pub use values::{DomainPatch, DomainPiece, DomainPoint};
+pub use values::{DomainCargo, DomainPatch, DomainPiece, DomainPoint};
 
 use super::RefineError;
 use super::whole::{Owners, Whole, put_together};
@@ -101,8 +101,11 @@ fn refine<'a, C: Rules, R>(
     // The budget is shared out beforehand: workers do not know what others have made.
     let is_made = |c: &&Carrier| !matches!(c, Carrier::Corner(_));
     let left = start.most.saturating_sub(start.carriers.iter().filter(is_made).count() as u64);
-    let items =
-        |me, mesh: &DomainMesh<'_>| BadItems::new(me, left / u64::from(layout.workers), mesh);
+    let share = left / u64::from(layout.workers);
+    let items = |me, mesh: &mut DomainMesh<'_>| {
+        mesh.let_blocks_move();
+        BadItems::new(me, share, mesh)
+    };
     let (workers, common) = prepare::<_, C>(complex, start, &layout, config, items)?;
     let (mut splits, mut parts) = (Splits::default(), Vec::new());
     let (workers, told) = run(workers)?;
@@ -135,9 +138,8 @@ pub fn simulate_domain<C: Rules>(
     }
     let mut delegated = refiner.delegate(domain, lattice)?;
     let (complex, start) = delegated.complex_without_circles()?;
-    let options = Options { balance: None, storm: None, ..options.clone() };
     let run = |workers| {
-        let run = simulate(workers, &options).map_err(MeshError::from)?;
+        let run = simulate(workers, options).map_err(MeshError::from)?;
         let Simulation { workers, summary, events, .. } = run;
         Ok((workers, (summary, events)))
     };
@@ -208,7 +210,7 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
     start: &Start,
     layout: &Layout,
     config: Config,
-    source: impl Fn(WorkerId, &DomainMesh<'c>) -> Q,
+    source: impl Fn(WorkerId, &mut DomainMesh<'c>) -> Q,
 ) -> Result<Begun<'c, Q, C>, RefineError> {
     let set = PointSet::new(start.points.clone()).map_err(|_| RefineError::Range)?;
     // The coordinates at the start are those that the kernel computes with.
@@ -237,7 +239,7 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
         // The first one receives all others in the end.
         let parts = if me == WorkerId::default() { 1 } else { layout.workers };
         mesh.expect_tets(start.expected_of(parts));
-        let source = source(me, &mesh);
+        let source = source(me, &mut mesh);
         Worker::new(config, directory, mesh, source)
     });
     Ok((workers.collect(), common))

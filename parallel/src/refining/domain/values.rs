@@ -1,7 +1,7 @@
 //! The values that workers send each other about a domain: those of the mesh, and what the boundary
 //! adds.
 
-use crate::mesh::{Patch, Piece, VertexName, WireVertex};
+use crate::mesh::{Moving, Patch, Piece, VertexName, WireVertex};
 use crate::protocol::WorkerId;
 use ltbw_core::topology::TetId;
 use ltbw_refine::Carrier;
@@ -95,6 +95,16 @@ impl AsRef<Piece> for DomainPiece {
     fn as_ref(&self) -> &Piece {
         &self.piece
     }
+}
+
+/// Tetrahedra of a block that moves.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct DomainCargo {
+    pub(super) tets: Vec<Moving>,
+    /// Their vertices on the boundary.
+    pub(super) bound: Vec<BoundVertex>,
+    /// Their regions.
+    pub(super) regions: Vec<u32>,
 }
 
 /// The end of an operation whose closure was locked.

@@ -138,7 +138,7 @@ fn refine<'a, C: Rules>(
         let (layout, config) = layout(start.points.len());
         let is_made = |c: &&Carrier| !matches!(c, Carrier::Corner(_));
         let before = start.carriers.iter().filter(is_made).count() as u64;
-        let source = |me, mesh: &DomainMesh<'_>| {
+        let source = |me, mesh: &mut DomainMesh<'_>| {
             let place = (me, layout.workers, layout.blocks_per_worker);
             let mut source = Rounds::new(place, (before, start.most), mesh);
             source.expect_tets(start.expected_of(layout.workers));
