@@ -3,9 +3,10 @@
 use crate::lenience::Lenience;
 use crate::numbers::whole;
 use crate::progress::Show;
-use crate::simulate::{Mode, Simulate};
+use crate::simulate::Simulate;
 use crate::streams::Streams;
 use crate::surface::Preparation;
+use crate::workers::Mode;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use ltbw::points::MAX_POINTS;
@@ -314,8 +315,8 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=1024))]
     #[arg(allow_negative_numbers = true, conflicts_with = "trace")]
     pub(crate) workers: Option<u16>,
-    /// Workers choose points in rounds, which make one mesh, or each as they come (async), as in the
-    /// paper: another mesh each time
+    /// Choose points in rounds, which make one mesh, or as they come (async), as the paper does:
+    /// another mesh each time
     #[arg(long, value_enum, default_value_t, requires = "workers", hide_short_help = true)]
     pub(crate) mode: Mode,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout

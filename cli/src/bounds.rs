@@ -4,7 +4,7 @@ use crate::args::MeshArgs;
 use crate::binding::{Binding, Chosen, Reads, Role, read_beside};
 use crate::console;
 use crate::outcome::Failure;
-use crate::simulate::Mode;
+use crate::workers::Mode;
 use ltbw::domain::Prepared;
 use ltbw::refine::{Background, Refiner};
 use ltbw::{Point, io};

@@ -4,7 +4,6 @@
 use crate::console::{self, Stop};
 use crate::outcome::{Failure, show};
 use crate::rounds::START;
-use crate::simulate::Mode;
 use ltbw::domain::Prepared;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw::refining::{Owners, RefineError, domain_on_threads, rounds_on_threads};
@@ -22,6 +21,16 @@ pub(crate) struct Made {
     pub(crate) alone: Option<String>,
     /// Did points come without rounds?
     pub(crate) is_timed: bool,
+}
+
+/// The mode in which workers refine a domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Mode {
+    // All choose together, then insert: one mesh.
+    #[default]
+    Rounds,
+    // The paper's: each processor its own bad tetrahedra, as they come; another mesh each time.
+    Async,
 }
 
 /// The workers that refine a domain without a common mesh.

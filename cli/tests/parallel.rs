@@ -280,7 +280,7 @@ fn the_simulator_refines_a_domain_without_rounds() {
     }
     assert!(hashes[0] != hashes[1] && hashes[1] != hashes[2], "{hashes:?}");
     let report = json(dir.path().join("a.json"));
-    let moves = report["workers"].as_array().unwrap().iter();
+    let moves = report["simulation"]["workers"].as_array().unwrap().iter();
     let moves: u64 = moves.map(|own| own["migrations"].as_u64().unwrap()).sum();
     assert!(moves > 10, "{moves} blocks have moved in the storm");
     for (wrong, code) in [
@@ -343,8 +343,8 @@ fn every_option_of_the_simulator_is_obeyed() {
     }
 }
 
-/// Without rounds a mesh depends on the timing, and says so; it is checked as all meshes are, and its
-/// certificate tells the mode.
+/// Without rounds a mesh depends on the timing, which is said; it is checked as all meshes are, and
+/// its certificate tells the mode.
 #[test]
 fn workers_refine_a_domain_without_rounds() {
     let dir = tempfile::tempdir().unwrap();

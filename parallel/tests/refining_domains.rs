@@ -214,6 +214,41 @@ fn blocks_move_with_their_boundary() {
     assert!(moved > 100, "{moved} moves");
 }
 
+/// The paper's rule for locks, under which operations have no age, and start again after a time.
+#[test]
+fn the_papers_rule_refines_domains_too() {
+    for (k, (kind, volume)) in PROBLEMS.into_iter().enumerate() {
+        let ready = prepared(kind);
+        for processors in [2, 8, 24] {
+            for latency in [1_000, 100_000] {
+                let layout = |points| {
+                    let config =
+                        Config { rule: Rule::Paper, window: 16, ..Config::new(processors) };
+                    (
+                        Layout {
+                            ownership: Ownership::ALL[k % 3],
+                            ..Layout::new(points, processors)
+                        },
+                        config,
+                    )
+                };
+                let network = Network { latency, ..Network::default() };
+                let options = Options { network, max_events: 20_000_000, ..Options::default() };
+                let refiner = Refiner::new().max_volume(volume).start(0);
+                let domain = (&ready.domain, &ready.lattice);
+                let run = simulate_domain::<Correct>(&refiner, domain, layout, &options);
+                let run = run.expect("a run ends");
+                let name = format!("{kind:?} on {processors}, {latency} ns");
+                check_mesh(&name, &ready, volume, &run.refined);
+                // An item may ask in vain for locks that others take again and again.
+                let [items, tets] = run.splits.refused;
+                let inserted: u64 = run.splits.inserted.iter().sum();
+                assert!((items + tets) * 20 < inserted, "{name}: {:?}", run.splits);
+            }
+        }
+    }
+}
+
 /// Equal workers, options and seeds give one run; another seed gives another mesh.
 #[test]
 fn a_run_repeats_but_timing_matters() {
@@ -240,12 +275,6 @@ fn domains_that_only_rounds_can_refine_are_refused() {
     let of = |what| Err(RefineError::Complex(ComplexError::Unsupported(what)));
     let angles = of("features at small angles, or too near to each other");
     assert_eq!(run(Refiner::new()), angles);
-    let rule = |points| (Layout::new(points, 4), Config { rule: Rule::Paper, ..Config::new(4) });
-    let found = simulate_domain::<Correct>(&Refiner::new(), domain, rule, &Options::default());
-    assert_eq!(found.map(|run| run.splits), Err(RefineError::Ageless));
-    let paper = Parallel::new(2).rule(Rule::Paper);
-    let found = domain_on_threads(&Refiner::new(), domain, &paper);
-    assert_eq!(found.map(|run| run.splits), Err(RefineError::Ageless));
 }
 
 #[test]
@@ -302,7 +331,7 @@ fn threads_refine_domains_without_rounds() {
     }
 }
 
-/// What the mode does not take, the rounds do.
+/// Rounds take what the mode does not.
 #[test]
 fn a_domain_that_only_rounds_can_refine_is_refined_by_them() {
     let ready = prepared(DomainKind::Spike);

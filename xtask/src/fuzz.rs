@@ -119,7 +119,7 @@ impl Fuzzer {
             cargo()
                 .env("RUSTC_BOOTSTRAP", "1")
                 .env("CARGO_TARGET_DIR", self.folder.join("build"))
-                // cargo-fuzz asks for one unit a crate: some code is faster, and takes twice as long.
+                // One unit a crate, as cargo-fuzz would have it, takes twice as long to compile.
                 .args(["fuzz", "build", "--codegen-units", "16", "--target", &self.host]),
         )
     }

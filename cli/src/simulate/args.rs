@@ -1,6 +1,7 @@
 //! The command line of `simulate`.
 
 use crate::numbers::whole;
+use crate::workers::Mode;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use ltbw::mesh::Ownership;
 use ltbw::points::MAX_POINTS;
@@ -121,16 +122,6 @@ pub(crate) struct Simulate {
     /// speed-up
     #[arg(long, value_name = "HTML|-")]
     pub(crate) page: Option<PathBuf>,
-}
-
-/// The mode in which workers refine a domain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Mode {
-    // All choose together, then insert: one mesh.
-    #[default]
-    Rounds,
-    // The paper's: each processor its own bad tetrahedra, as they come; another mesh each time.
-    Async,
 }
 
 /// The machine whose processors are simulated.

@@ -6,7 +6,7 @@ mod freely;
 mod page;
 mod report;
 
-pub(crate) use args::{Mode, Simulate};
+pub(crate) use args::Simulate;
 
 use crate::console;
 use crate::figures::{self, Doing, SPANS, cost_model, tables, write_trace};
@@ -14,6 +14,7 @@ use crate::json::{distinct, file_writable, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::streams::on_stdout;
+use crate::workers::Mode;
 use ltbw::PointSet;
 use ltbw::build::Builder;
 use ltbw::io;
@@ -140,7 +141,6 @@ fn nothing_to_do(what_to_change: &str) -> Failure {
 /// A failure of a simulated refinement; what the options cannot be is one of usage.
 fn failure_of(path: &Path, error: RefineError) -> Failure {
     match error {
-        RefineError::Ageless => Failure::Usage(format!("--rule paper --mode async: {error}")),
         RefineError::Domain(error) => Failure::Refine { path: path.to_owned(), error },
         RefineError::Complex(error) => Failure::Usage(format!("{}: {error}", show(path))),
         error => Failure::Other(format!("{}: {error}", show(path))),

@@ -1,16 +1,17 @@
 //! Refinement of domains on many processors: in rounds, which give the sequential mesh (`rounds`),
-//! and without, in the paper's mode (`domain`).
+//! and without, in the paper's mode (`freely`, over `domain`). `whole` puts their parts together.
 
 mod domain;
 mod flags;
+mod freely;
 mod news;
 mod rounds;
 mod whole;
 
 pub use domain::{
-    BadItems, DomainCargo, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint,
-    SimulatedDomain, Splits, ThreadedDomain, domain_on_threads, simulate_domain,
+    BadItems, DomainCargo, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, Splits,
 };
+pub use freely::{SimulatedDomain, ThreadedDomain, domain_on_threads, simulate_domain};
 pub use news::{
     DomainNews, KeysTold, PartEnd, ProbeId, Proposal, Sums, WireClosure, WireCorner, WireItem,
 };
@@ -40,10 +41,6 @@ pub enum RefineError {
     /// The domain has no mesh to start with, or one that only the rounds can refine.
     #[error(transparent)]
     Complex(#[from] ltbw_refine::ComplexError),
-    /// Under the paper's rule operations have no age: those that wait for a boundary item would
-    /// ask for its locks for ever, and the item would get none.
-    #[error("the paper's rule for locks has no ages, which boundary items need")]
-    Ageless,
     /// The threads have not ended properly.
     #[error(transparent)]
     Run(#[from] RunError),

@@ -2,7 +2,7 @@
 //! keys, whatever the order in which they are found.
 
 use super::Rounds;
-use super::sift::Ranked;
+use super::ranked::Ranked;
 use crate::complex::measure::Shape;
 use crate::mesh::item::Item;
 use crate::mesh::key::order_key;

@@ -2,8 +2,9 @@
 //! curve, inserts those whose closures nobody else needs, and leaves the others.
 
 use super::keys::Keys;
+use super::ranked::{Bad, witness};
 use super::reserved::Reserved;
-use super::sift::{Bad, witness};
+
 use super::{Candidate, Choice, Look, Rounds};
 use crate::RefineError;
 use crate::complex::carrier::Carrier;

@@ -29,7 +29,7 @@ const STEPS: [Step; 6] = [
     Step::Relief(Goal::Bounds),
 ];
 
-/// What the late steps have done so far.
+/// The memory of the late steps.
 #[derive(Debug, Default)]
 pub(super) struct Late {
     /// The step to come.

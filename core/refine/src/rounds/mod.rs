@@ -18,11 +18,11 @@ mod lanes;
 mod late;
 mod pool;
 mod probe;
+mod ranked;
 mod relief;
 mod reserved;
 mod resume;
 mod settle;
-mod sift;
 mod sliver;
 mod times;
 
@@ -30,9 +30,9 @@ mod times;
 pub use choose::are_joined;
 #[doc(hidden)]
 pub use keys::Keys;
-pub(crate) use resume::{Resumed, Waiting};
 #[doc(hidden)]
-pub use sift::{Bad, Ranked};
+pub use ranked::{Bad, Ranked};
+pub(crate) use resume::{Resumed, Waiting};
 pub use times::RoundTimes;
 
 use crate::RefineError;
@@ -124,9 +124,9 @@ type Look<'l> = &'l dyn Fn(usize) -> bool;
 #[derive(Debug, Default)]
 struct Choice {
     candidates: Vec<Candidate>,
-    /// Those of them that are to be inserted.
+    /// The numbers of the candidates that are to be inserted.
     chosen: Vec<usize>,
-    /// Their cavities.
+    /// The cavities of all candidates.
     cavities: Vec<TetId>,
 }
 

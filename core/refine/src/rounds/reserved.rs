@@ -54,7 +54,7 @@ impl Reserved {
         self.alone.clear();
     }
 
-    /// Starts the same round once more: who has to be alone is known by now.
+    /// Starts the same round once more; ranks that have to be alone are known by now.
     pub(super) fn start_again(&mut self) {
         let alone = std::mem::take(&mut self.alone);
         self.start(self.count as usize, self.boundary as usize);

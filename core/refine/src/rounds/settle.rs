@@ -1,7 +1,7 @@
 //! After the insertions: which tetrahedra are over their bounds, with which keys.
 
 use super::Rounds;
-use super::sift::Bad;
+use super::ranked::Bad;
 use crate::RefineError;
 use crate::mesh::item::Item;
 use crate::mesh::key::{key_of_tet, order_key};

@@ -118,7 +118,7 @@ pub struct Splits {
 }
 
 impl Splits {
-    pub(super) fn add(&mut self, other: &Self) {
+    pub(in super::super) fn add(&mut self, other: &Self) {
         self.inserted.iter_mut().zip(other.inserted).for_each(|(sum, own)| *sum += own);
         self.deferred += other.deferred;
         self.useless += other.useless;
@@ -146,12 +146,12 @@ pub struct BadItems {
     /// The most points.
     most: u64,
     is_closed: bool,
-    pub(super) splits: Splits,
+    pub(in super::super) splits: Splits,
 }
 
 impl BadItems {
     /// The bad tetrahedra of a submesh.
-    pub(super) fn new(me: WorkerId, most: u64, mesh: &DomainMesh<'_>) -> Self {
+    pub(in super::super) fn new(me: WorkerId, most: u64, mesh: &DomainMesh<'_>) -> Self {
         let mut own = Self {
             me,
             waiting: Waiting::default(),
@@ -396,8 +396,8 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
         }
     }
 
-    /// Whoever gets the block looks at its tetrahedra, and splits boundary items there when somebody
-    /// asks: those that were to be split here are done with.
+    /// Entries of the block are done with: its new owner looks at its tetrahedra, and splits
+    /// boundary items there when somebody asks.
     fn remove_block(&mut self, _: &DomainMesh<'c>, block: BlockId) -> Vec<DomainPoint> {
         for entry in self.waiting.take(block) {
             self.end(&entry);

@@ -23,6 +23,7 @@ mod bytes;
 mod carriers;
 mod chosen;
 mod closure;
+mod decide;
 mod describe;
 mod list;
 mod mesh;
@@ -35,148 +36,16 @@ pub use mesh::DomainMesh;
 pub use values::{DomainCargo, DomainPatch, DomainPiece, DomainPoint};
 
 use super::RefineError;
-use super::whole::{Owners, Whole, put_together};
 use crate::mesh::{Blocks, Layout, Prepared, SharedInput, VertexName, given};
-use crate::metrics::Summary;
-use crate::protocol::{BlockId, Config, Correct, Rule, Rules, Source, Worker, WorkerId};
-use crate::simulate::{MeshError, Options, Simulation, simulate};
-use crate::threads::{Parallel, WorkerStats};
+use crate::protocol::{BlockId, Config, Rules, Source, Worker, WorkerId};
 use ltbw_core::order::{Curve, bounding_box};
-use ltbw_domain::{Domain, Lattice};
 use ltbw_exact::{Mode, Point, PointSet};
-use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, Handed, Refined, Refiner, Start};
+use ltbw_refine::{Carrier, Complex, Start};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
-/// A domain that simulated processors have refined.
-#[derive(Debug)]
-pub struct SimulatedDomain {
-    /// The refined domain.
-    pub refined: Refined,
-    /// The figures of the splits, over all workers.
-    pub splits: Splits,
-    /// Points at the start.
-    pub started: usize,
-    /// The figures of time.
-    pub summary: Summary,
-    /// Events of the simulation.
-    pub events: u64,
-}
-
-/// A domain that threads have refined.
-#[derive(Debug)]
-pub struct ThreadedDomain {
-    /// The refined domain.
-    pub refined: Refined,
-    /// The figures of each worker; of none if one thread has refined all.
-    pub workers: Vec<WorkerStats>,
-    /// The workers that have its tetrahedra.
-    pub owners: Owners,
-    /// The figures of the splits, over all workers, or why they have made none.
-    pub splits: Result<Splits, ComplexError>,
-}
-
-/// A worker that refines a domain.
+/// A worker that refines a domain without rounds.
 pub type DomainNode<'c, C> = Worker<DomainMesh<'c>, BadItems, C>;
-
-/// A domain that workers have refined, with their figures and what their run has told.
-struct Refining<R> {
-    refined: Refined,
-    splits: Splits,
-    owners: Owners,
-    told: R,
-}
-
-/// The work of workers, whichever way they run: `run` is given them, gives them back, and tells of
-/// the run. What they leave, such as slivers, the engine does that has begun.
-///
-/// # Errors
-/// Those of `run`; [`RefineError`] if the domain has no mesh.
-fn refine<'a, C: Rules, R>(
-    delegated: Delegated<'a>,
-    (complex, start): (Complex<'a>, &Start),
-    (layout, config): (Layout, Config),
-    run: impl FnOnce(Vec<DomainNode<'a, C>>) -> Result<(Vec<DomainNode<'a, C>>, R), RefineError>,
-) -> Result<Refining<R>, RefineError> {
-    // The budget is shared out beforehand: workers do not know what others have made.
-    let is_made = |c: &&Carrier| !matches!(c, Carrier::Corner(_));
-    let left = start.most.saturating_sub(start.carriers.iter().filter(is_made).count() as u64);
-    let share = left / u64::from(layout.workers);
-    let items = |me, mesh: &mut DomainMesh<'_>| {
-        mesh.let_blocks_move();
-        BadItems::new(me, share, mesh)
-    };
-    let (workers, common) = prepare::<_, C>(complex, start, &layout, config, items)?;
-    let (mut splits, mut parts) = (Splits::default(), Vec::new());
-    let (workers, told) = run(workers)?;
-    for worker in workers {
-        let (mesh, source, _) = worker.into_parts();
-        splits.add(&source.splits);
-        parts.push(mesh);
-    }
-    let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
-    let (asked, candidates, thin, stats) = (Vec::new(), 0, None, delegated.stats());
-    let handed = Handed { mesh, carriers, regions, asked, candidates, thin, stats };
-    Ok(Refining { refined: delegated.finish(handed)?, splits, owners: Owners(firsts), told })
-}
-
-/// Refines a domain on simulated processors, from the mesh on that the sequential engine has where
-/// rounds would begin ([`Refiner::start`]). Virtual time is that of the processors, from there on.
-///
-/// # Errors
-/// [`RefineError`] if the domain has no mesh, or one that only the rounds can refine, or if the run
-/// has not ended properly.
-pub fn simulate_domain<C: Rules>(
-    refiner: &Refiner<'_>,
-    (domain, lattice): (&Domain, &Lattice),
-    layout: impl Fn(usize) -> (Layout, Config),
-    options: &Options,
-) -> Result<SimulatedDomain, RefineError> {
-    // Nothing depends on the number of points.
-    if layout(0).1.rule == Rule::Paper {
-        return Err(RefineError::Ageless);
-    }
-    let mut delegated = refiner.delegate(domain, lattice)?;
-    let (complex, start) = delegated.complex_without_circles()?;
-    let run = |workers| {
-        let run = simulate(workers, options).map_err(MeshError::from)?;
-        let Simulation { workers, summary, events, .. } = run;
-        Ok((workers, (summary, events)))
-    };
-    let started = start.points.len();
-    let done = refine::<C, _>(delegated, (complex, &start), layout(started), run)?;
-    let Refining { refined, splits, told: (summary, events), .. } = done;
-    Ok(SimulatedDomain { refined, splits, started, summary, events })
-}
-
-/// Refines a domain on the threads of `parallel`, which share no mesh, as points come. The mesh
-/// depends on the timing. A domain that only rounds can refine is refined by these.
-///
-/// # Errors
-/// [`RefineError`] if the domain has no mesh, or if a worker has failed.
-pub fn domain_on_threads(
-    refiner: &Refiner<'_>,
-    (domain, lattice): (&Domain, &Lattice),
-    parallel: &Parallel<'_>,
-) -> Result<ThreadedDomain, RefineError> {
-    let config = parallel.config();
-    if config.rule == Rule::Paper {
-        return Err(RefineError::Ageless);
-    }
-    let mut delegated = refiner.delegate(domain, lattice)?;
-    let (complex, start) = match delegated.complex_without_circles() {
-        Ok(whole) => whole,
-        Err(unfit) => {
-            let (refined, owners) = (delegated.go_on()?, Owners::default());
-            return Ok(ThreadedDomain { refined, workers: Vec::new(), owners, splits: Err(unfit) });
-        }
-    };
-    let run = |nodes| Ok(parallel.run_workers(nodes)?.into_iter().unzip());
-    let layout = (parallel.plan_for(start.points.len()), config);
-    let done = refine::<Correct, _>(delegated, (complex, &start), layout, run)?;
-    let Refining { refined, splits, owners, told: workers } = done;
-    Ok(ThreadedDomain { refined, workers, owners, splits: Ok(splits) })
-}
 
 /// Workers, and all that they share.
 type Begun<'c, Q, C> = (Vec<Worker<DomainMesh<'c>, Q, C>>, SharedInput);

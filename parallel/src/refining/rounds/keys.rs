@@ -9,7 +9,7 @@
 //! workers see a face change in the same round, and forget what they knew of it: no rank, and that
 //! nothing behind it comes before, need not be told.
 //!
-//! What is known of tetrahedra here alone, [`Keys`] holds, as for the engine with one mesh.
+//! Knowledge of tetrahedra here alone is in [`Keys`], as that of the engine with one mesh.
 
 mod told;
 
@@ -55,7 +55,7 @@ pub(super) struct Foremost {
 /// The tetrahedra over their bounds, and what others tell of theirs.
 #[derive(Debug, Default)]
 pub(super) struct SharedKeys {
-    /// Those here.
+    /// The tetrahedra here.
     pub(super) own: Keys,
     /// Tetrahedra that may have tiny dihedral angles.
     thin: ThinTets,
