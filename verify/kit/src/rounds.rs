@@ -4,7 +4,7 @@
 use crate::{Case, File, write};
 use ltbw::Point;
 use ltbw::protocol::{Correct, WorkerId};
-use ltbw::refine::{Bad, BoundaryItem, Carrier, Corner, Rank, Ranked, sift, witness};
+use ltbw::refine::{BoundaryItem, Carrier, Corner, Keys, Rank, Ranked};
 use ltbw::refining::{Step, Sums, Tree, is_quiet, unkilled};
 use ltbw::topology::TetId;
 use ltbw_tests::families::Rng;
@@ -113,30 +113,35 @@ struct Around {
 }
 
 impl Ranked for Around {
-    fn stamp(&self, _: TetId) -> u32 {
-        0
-    }
-
     fn neighbours(&self, t: TetId) -> [TetId; 4] {
         self.neighbours[t.index()].map(TetId::new)
     }
 
     fn prefetch(&self, _: TetId) {}
 
-    fn one_before(&self, t: TetId) -> Option<[TetId; 2]> {
+    fn around(&self, way: TetId) -> Option<[TetId; 4]> {
+        Some(self.neighbours(way))
+    }
+
+    fn is_first_by_place(&self, one: TetId, other: TetId) -> bool {
         let rank = |t: TetId| Rank::of_tet(self.corners[t.index()]);
-        let is_before = |&one: &TetId| self.over[one.index()] && one != t && rank(one) < rank(t);
-        witness(t, self.neighbours(t), |way| Some(self.neighbours(way)), is_before)
+        rank(one) < rank(other)
     }
 }
 
 /// The foremost of some tetrahedra. The twin looks for the largest key among all around each.
 fn foremost(name: &str, flags: &[&'static str], around: &Around) -> Case {
     let all = TetId::below(around.corners.len() as u32);
-    let mut bad: Vec<Bad> =
-        all.filter(|t| around.over[t.index()]).map(|t| Bad::new(t, 0)).collect();
-    let mut found: Vec<u32> = Vec::new();
-    sift(&mut bad, 0, around, |t| found.push(t.number()));
+    let (mut keys, mut found): (Keys, Vec<u32>) = Default::default();
+    keys.grow(around.corners.len());
+    let over = all.filter(|t| around.over[t.index()]);
+    let enter = |t: TetId| {
+        keys.write(t, Rank::key_of_tet(around.corners[t.index()]), 0);
+        keys.entry(t)
+    };
+    let bad = over.map(enter).collect();
+    keys.put(bad);
+    keys.sift(around, |t, _| found.push(t.number()));
     found.sort_unstable();
     let slow = |t: u32| {
         let key = |t: u32| (key_of(&around.corners[t as usize]), t);
