@@ -21,8 +21,8 @@ impl<C: Rules> Rounds<C> {
     /// Is there something to do ahead while others are waited for?
     pub(super) fn looks_ahead(&self, standing: Standing) -> bool {
         let waits = match self.stage {
-            Stage::Inserting => self.tree.has_put() && standing.is_passive,
-            Stage::Counting => self.tree.has_put(),
+            Stage::Inserting => self.waves.tree.has_put() && standing.is_passive,
+            Stage::Counting => self.waves.tree.has_put(),
             Stage::Exchanging(_) => true,
             Stage::Looking | Stage::Choosing | Stage::Deciding | Stage::Over => false,
         };
@@ -61,7 +61,7 @@ impl<C: Rules> Rounds<C> {
         let Some((to, carrier, cavity)) = found else { return false };
         mesh.count_steps(cavity.len() as u64 / 2);
         self.served.enter_found(self.id(k), cavity);
-        let probe = &mut self.probes[k as usize];
+        let probe = &mut self.choice.probes[k as usize];
         (probe.to, probe.carrier, probe.open, probe.is_ahead) = (to, carrier, 1, true);
         true
     }

@@ -2,7 +2,8 @@
 //! owners of their closures tell of.
 
 use super::candidate::{ChosenPoint, Outcome, Waits, What};
-use super::source::{Pending, Rounds, Stage};
+use super::demands::Pending;
+use super::source::{Rounds, Stage};
 use crate::mesh::{WireVertex, made};
 use crate::protocol::{Rules, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
@@ -22,8 +23,8 @@ impl<C: Rules> Rounds<C> {
             };
             self.send(probe.home, DomainNews::Rivals { number: probe.number, rivals });
         }
-        self.open = self.probes.len();
-        for k in 0..self.probes.len() as u32 {
+        self.choice.open = self.choice.probes.len();
+        for k in 0..self.choice.probes.len() as u32 {
             if self.is_due(k) {
                 self.decide(mesh, k);
             }
@@ -32,21 +33,21 @@ impl<C: Rules> Rounds<C> {
 
     /// An owner tells of the rivals in its part.
     pub(super) fn take_rivals(&mut self, from: WorkerId, k: u32, rivals: &[u8]) {
-        let Some(told) = &mut self.probes[k as usize].told else { return };
+        let Some(told) = &mut self.choice.probes[k as usize].told else { return };
         told.due -= 1;
         told.add_rivals(from, rivals.iter().copied().map(rival));
     }
 
     /// Has a probe all that its decision takes?
     pub(super) fn is_due(&self, k: u32) -> bool {
-        self.probes[k as usize].told.as_ref().is_none_or(|told| told.due == 0)
+        self.choice.probes[k as usize].told.as_ref().is_none_or(|told| told.due == 0)
     }
 
     /// Decides what becomes of a probe.
     pub(super) fn decide(&mut self, mesh: &mut DomainMesh<'_>, k: u32) {
-        self.open -= 1;
+        self.choice.open -= 1;
         let (me, id) = (self.me, self.id(k));
-        let probe = &mut self.probes[k as usize];
+        let probe = &mut self.choice.probes[k as usize];
         // One that is killed waits for what becomes of its place.
         if let What::Tet(t, _) = probe.what
             && self.served.has_rival::<C>(mesh, (id, t), &probe.rank())
@@ -86,13 +87,13 @@ impl<C: Rules> Rounds<C> {
             What::Item(_) => 1,
             What::Tet(..) => 2,
         };
-        self.chosen_by_class[class] += 1;
-        self.made += 1;
-        let vertex = WireVertex::new(made(me, self.made), point(&probe.to));
+        self.points.by_class[class] += 1;
+        self.points.made += 1;
+        let vertex = WireVertex::new(made(me, self.points.made), point(&probe.to));
         let seed = start.map_or(TetId::default(), |(t, _)| t);
         let point = DomainPoint::chosen(vertex, probe.carrier, seed);
         let cavity = self.served.inside(id);
-        self.chosen.push_back(ChosenPoint { point, start, cavity });
+        self.points.chosen.push_back(ChosenPoint { point, start, cavity });
         for item in removed {
             self.tell_gone(mesh, &item);
         }
@@ -101,11 +102,11 @@ impl<C: Rules> Rounds<C> {
     /// A probe's tetrahedron, or item, asks for an item that is to be split before it.
     fn ask_for(&mut self, mesh: &DomainMesh<'_>, k: u32, item: BoundaryItem, limit: Option<f64>) {
         let place = item.place();
-        let (limit, waiter) = match &self.probes[k as usize].what {
+        let (limit, waiter) = match &self.choice.probes[k as usize].what {
             What::Tet(..) => (limit, None),
             What::Item(own) => {
                 let own_place = own.place();
-                let pending = self.pending.get_mut(&own_place);
+                let pending = self.demands.pending.get_mut(&own_place);
                 let limit = pending.and_then(|pending| {
                     pending.first = Some(place);
                     pending.limit
@@ -115,12 +116,12 @@ impl<C: Rules> Rounds<C> {
         };
         let keeper = self.keeper(mesh, &item);
         if keeper == self.me {
-            let near = match self.probes[k as usize].what {
+            let near = match self.choice.probes[k as usize].what {
                 What::Tet(t, _) => Some(t),
                 What::Item(_) => self.served.cavity(self.id(k)).next(),
             };
             let waiter = waiter.map(|place| (self.me, place));
-            return self.asked.push((Pending { item, first: None, limit, near }, waiter));
+            return self.demands.asked.push((Pending { item, first: None, limit, near }, waiter));
         }
         let limit = limit.map(f64::to_bits);
         self.counts.asks += 1;

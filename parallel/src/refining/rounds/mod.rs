@@ -26,6 +26,7 @@
 //! | `ahead`, `found` | cavities found while others are waited for |
 //! | `here` | closures that are all one worker's |
 //! | `decide` | who is chosen |
+//! | `demands` | boundary items to be split, and who waits for whom |
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
 //! | `way` | straight ways to proposed points |
@@ -33,6 +34,7 @@
 mod ahead;
 mod candidate;
 mod decide;
+mod demands;
 mod found;
 mod here;
 mod keys;
@@ -59,12 +61,12 @@ use crate::metrics::Summary;
 use crate::protocol::{BlockId, Config, Correct, Rules, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use crate::threads::{Parallel, WorkerStats};
+use demands::Pending;
 use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_refine::{
     Asked, Carrier, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start,
 };
-use source::Pending;
 
 /// A worker that refines a domain in rounds.
 pub type RoundNode<'c, C> = Worker<DomainMesh<'c>, Rounds<C>, C>;
@@ -279,7 +281,7 @@ fn left_by<C: Rules>(
 
 impl<C> Workload for Rounds<C> {
     fn left(&self) -> u64 {
-        self.chosen.len() as u64
+        self.points.chosen.len() as u64
     }
 
     fn in_block(&self, _: BlockId) -> u64 {

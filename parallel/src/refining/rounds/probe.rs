@@ -21,21 +21,21 @@ impl<C: Rules> Rounds<C> {
     }
 
     fn seeker(&self, number: u32) -> Seeker {
-        let probe = &self.probes[number as usize];
+        let probe = &self.choice.probes[number as usize];
         let Probe { to, carrier, .. } = *probe;
         Seeker { probe: self.id(number), to, carrier, rank: probe.rank() }
     }
 
     /// A new probe, to be launched.
     pub(super) fn add_probe(&mut self, what: What, lead: RankLead, attempt: usize) -> u32 {
-        self.probes.push(Probe::new(what, lead, attempt));
-        self.open += 1;
-        self.probes.len() as u32 - 1
+        self.choice.probes.push(Probe::new(what, lead, attempt));
+        self.choice.open += 1;
+        self.choice.probes.len() as u32 - 1
     }
 
     /// Launches a probe.
     pub(super) fn launch(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
-        let &Probe { ref what, attempt, .. } = &self.probes[k as usize];
+        let &Probe { ref what, attempt, .. } = &self.choice.probes[k as usize];
         if let &What::Tet(t, v) = what
             && attempt == 0
             && self.take_found(mesh, k, (t, v))
@@ -43,32 +43,35 @@ impl<C: Rules> Rounds<C> {
             let nothing = (PartEnd::Found, WireClosure::default(), Vec::new());
             return self.take_part(mesh, directory, self.me, k, nothing);
         }
-        let what = &self.probes[k as usize].what;
+        let what = &self.choice.probes[k as usize].what;
         let aim = match what {
             What::Tet(_, v) => mesh.complex.aim_at_tet(v.map(|v| mesh.point(v)), attempt),
             What::Item(item) => mesh.complex.aim_at_item(item, attempt),
         };
         match aim {
             Aim::At { point, carrier, may } => {
-                let probe = &mut self.probes[k as usize];
+                let probe = &mut self.choice.probes[k as usize];
                 (probe.to, probe.carrier, probe.may) = (bits(&point), carrier, may);
                 probe.open = 1;
                 let own = &self.seeker(k);
-                match &self.probes[k as usize].what {
+                match &self.choice.probes[k as usize].what {
                     &What::Tet(t, v) => {
                         let start = middle(v.map(|v| mesh.point(v)));
                         self.go(mesh, directory, own, (t, None), (bits(&start), may));
                     }
                     What::Item(item) => {
-                        let near = self.pending.get(&item.place()).and_then(|own| own.near);
-                        self.near = near.filter(|&t| mesh.inner.tets().is_live(t)).or(self.near);
+                        let near = self.demands.pending.get(&item.place()).and_then(|own| own.near);
+                        self.choice.near =
+                            near.filter(|&t| mesh.inner.tets().is_live(t)).or(self.choice.near);
                         self.seek(mesh, directory, own, None);
                     }
                 }
             }
             Aim::Skip => self.retry(mesh, directory, k),
             Aim::Exhausted => {
-                let What::Tet(_, v) = self.probes[k as usize].what else { return self.give_up(k) };
+                let What::Tet(_, v) = self.choice.probes[k as usize].what else {
+                    return self.give_up(k);
+                };
                 let sides = mesh.complex.sides_of(v.map(|v| corner(mesh, v)));
                 match sides.first() {
                     Some(side) => self.conclude_with(mesh, k, *side),
@@ -81,7 +84,8 @@ impl<C: Rules> Rounds<C> {
 
     /// Asks the processor to fetch what the next probes begin with. A hint.
     pub(super) fn fetch_ahead(&self, mesh: &DomainMesh<'_>) {
-        let next = |k: usize| match self.probes[*self.to_launch.get(k)? as usize].what {
+        let next = |k: usize| match self.choice.probes[*self.choice.to_launch.get(k)? as usize].what
+        {
             What::Tet(t, _) => Some(t),
             What::Item(_) => None,
         };
@@ -97,7 +101,7 @@ impl<C: Rules> Rounds<C> {
 
     /// The next attempt for what a probe is for.
     fn retry(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
-        let Probe { ref what, lead, attempt, .. } = self.probes[k as usize];
+        let Probe { ref what, lead, attempt, .. } = self.choice.probes[k as usize];
         let what = what.clone();
         self.conclude(k, Outcome::Dropped);
         let next = self.add_probe(what, lead, attempt + 1);
@@ -111,13 +115,13 @@ impl<C: Rules> Rounds<C> {
     }
 
     fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, item: BoundaryItem) {
-        let outcome = self.probes[k as usize].what.asks(mesh, item);
+        let outcome = self.choice.probes[k as usize].what.asks(mesh, item);
         self.conclude(k, outcome);
     }
 
     fn conclude(&mut self, k: u32, outcome: Outcome) {
-        self.probes[k as usize].outcome = outcome;
-        self.open -= 1;
+        self.choice.probes[k as usize].outcome = outcome;
+        self.choice.open -= 1;
     }
 
     /// A probe on its straight way is at one of this worker's tetrahedra.
@@ -151,10 +155,10 @@ impl<C: Rules> Rounds<C> {
         at: Option<TetId>,
     ) {
         // Along a curve the last one is near.
-        let from = at.or_else(|| self.near.filter(|&t| mesh.inner.tets().is_live(t)));
+        let from = at.or_else(|| self.choice.near.filter(|&t| mesh.inner.tets().is_live(t)));
         match mesh.seek(&point(&own.to), from) {
             Walk::At(t) | Walk::Locked(t) => {
-                self.near = Some(t);
+                self.choice.near = Some(t);
                 self.serve(mesh, directory, own, &[t]);
             }
             Walk::Duplicate(_) => {
@@ -185,7 +189,7 @@ impl<C: Rules> Rounds<C> {
         let probe = own.probe;
         // A probe that others know of may ask for one that is not in conflict.
         let is_first = probe.home == self.me
-            && self.probes.get(probe.number as usize).is_some_and(|own| own.told.is_none());
+            && self.choice.probes.get(probe.number as usize).is_some_and(|own| own.told.is_none());
         if let [seed] = *seeds
             && is_first
             && self.served.search_here(mesh, own, seed)
@@ -229,7 +233,7 @@ impl<C: Rules> Rounds<C> {
         k: u32,
         (end, found, foreign): (PartEnd, WireClosure, Vec<Handle>),
     ) {
-        let probe = &mut self.probes[k as usize];
+        let probe = &mut self.choice.probes[k as usize];
         probe.open -= 1;
         match end {
             PartEnd::Found => {}
@@ -256,7 +260,7 @@ impl<C: Rules> Rounds<C> {
         if !C::ENDS_PROBES && self.asks_already(mesh, k) {
             seeds.clear();
         }
-        let probe = &mut self.probes[k as usize];
+        let probe = &mut self.choice.probes[k as usize];
         probe.open += seeds.len() as u32;
         if seeds.len() == 0 {
             return self.judge_if_known(mesh, directory, k);
@@ -278,7 +282,7 @@ impl<C: Rules> Rounds<C> {
     /// Does a tetrahedron's probe ask for an item by what is known of its closure so far? (A
     /// known-bad variant stops there.)
     fn asks_already(&self, mesh: &DomainMesh<'_>, k: u32) -> bool {
-        let own = &self.probes[k as usize];
+        let own = &self.choice.probes[k as usize];
         let (What::Tet(..), Some(told)) = (&own.what, &own.told) else { return false };
         let closure = Collected::of(&told.closure);
         matches!(own.survey(mesh, &closure).rule_on_tet(), Ruling::Defer(_))
@@ -286,7 +290,7 @@ impl<C: Rules> Rounds<C> {
 
     /// Judges a probe of whose closure all is known.
     fn judge_if_known(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
-        let probe = &self.probes[k as usize];
+        let probe = &self.choice.probes[k as usize];
         if probe.open == 0 && probe.outcome == Outcome::Open {
             self.judge(mesh, directory, k);
         }
@@ -296,7 +300,7 @@ impl<C: Rules> Rounds<C> {
     /// boundary. Returns whether it may be.
     fn complete(&mut self, mesh: &DomainMesh<'_>, k: u32) -> bool {
         let (me, id) = (self.me, self.id(k));
-        let Probe { ref what, carrier, ref mut told, .. } = self.probes[k as usize];
+        let Probe { ref what, carrier, ref mut told, .. } = self.choice.probes[k as usize];
         let told = told.get_or_insert_default();
         let closure = &told.closure;
         let count = |place: usize| closure.bound(place).into_iter().filter(|on| *on).count();
@@ -313,13 +317,13 @@ impl<C: Rules> Rounds<C> {
 
     /// The verdict on a probe whose closure is all here, and what makes it wait then.
     fn rule_here(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
-        let (id, probe) = (self.id(k), &self.probes[k as usize]);
+        let (id, probe) = (self.id(k), &self.choice.probes[k as usize]);
         let here = Here { mesh, cavity: self.served.cavity_at(&self.served.inside(id)) };
         let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &here));
         debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref()));
         // Without candidates of the boundary it does not matter who else is near.
         let all = match &watch {
-            Some(_) if self.has_boundary => self.served.list_closure(mesh, id),
+            Some(_) if self.choice.has_boundary => self.served.list_closure(mesh, id),
             _ => 0..0,
         };
         (verdict, watch.map(|watch| Waits::Here(watch, all)))
@@ -328,7 +332,7 @@ impl<C: Rules> Rounds<C> {
     /// The verdict on a probe of whose closure others have told, and what makes it wait then.
     fn rule_told(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
         let may_be_boundary = self.complete(mesh, k);
-        let probe = &self.probes[k as usize];
+        let probe = &self.choice.probes[k as usize];
         let Some(told) = probe.told.as_ref().filter(|_| may_be_boundary) else {
             return (Verdict::Is(Outcome::Fits(Vec::new())), None);
         };
@@ -344,7 +348,7 @@ impl<C: Rules> Rounds<C> {
             true => self.rule_told(mesh, k),
             false => self.rule_here(mesh, k),
         };
-        let probe = &mut self.probes[k as usize];
+        let probe = &mut self.choice.probes[k as usize];
         let has_own = match probe.what {
             What::Tet(t, _) => self.served.cavity(id).any(|other| other == t),
             What::Item(_) => true,
@@ -362,7 +366,7 @@ impl<C: Rules> Rounds<C> {
         let is_item = matches!(probe.what, What::Item(_));
         let fits = matches!(outcome, Outcome::Fits(_));
         if fits {
-            self.fits += 1;
+            self.choice.fits += 1;
             if is_item {
                 let tets = mesh.inner.tets();
                 probe.start = self.served.cavity(id).next().map(|t| (t, tets.vertices(t)));
@@ -381,14 +385,17 @@ impl<C: Rules> Rounds<C> {
             }
         }
         // Its tetrahedra are in the cache.
-        let probe = &self.probes[k as usize];
+        let probe = &self.choice.probes[k as usize];
         self.served.reserve_own::<C>(mesh, id, (probe.rank(), probe.carrier));
         self.conclude(k, outcome);
     }
 
     /// The owners of a probe's parts, but for this worker.
     fn others(&self, k: u32) -> Vec<WorkerId> {
-        self.probes[k as usize].told.as_ref().map_or_else(Vec::new, |told| told.owners.clone())
+        self.choice.probes[k as usize]
+            .told
+            .as_ref()
+            .map_or_else(Vec::new, |told| told.owners.clone())
     }
 
     /// A probe reserves nothing after all.
@@ -406,7 +413,7 @@ impl<C: Rules> Rounds<C> {
     /// All owners of a probe's parts are to tell of rivals.
     fn want_rivals(&mut self, k: u32) {
         let (id, others) = (self.id(k), self.others(k));
-        if let Some(told) = &mut self.probes[k as usize].told {
+        if let Some(told) = &mut self.choice.probes[k as usize].told {
             told.due = others.len() as u32;
         }
         for owner in others {

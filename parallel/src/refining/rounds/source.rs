@@ -1,6 +1,7 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
 use super::candidate::{ChosenPoint, Probe};
+use super::demands::{Demands, Pending};
 use super::found::Ahead;
 use super::keys::{SharedKeys, keep};
 use super::serve::Served;
@@ -33,17 +34,6 @@ pub enum Ending {
     Cancelled,
 }
 
-/// A boundary item to be split.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pending {
-    pub(super) item: BoundaryItem,
-    /// The one that has to be split before it.
-    pub(super) first: Option<ItemPlace>,
-    pub(super) limit: Option<f64>,
-    /// A slot that was near it, where the walk to its point starts.
-    pub(super) near: Option<TetId>,
-}
-
 /// The figures of the rounds, of one worker or of all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RoundFigures {
@@ -70,6 +60,100 @@ const LOOK: usize = 512;
 /// Probes that are launched in one step: what they ask others for goes together.
 const TOGETHER: usize = 8;
 
+/// The barriers of a worker.
+#[derive(Debug)]
+pub(super) struct Waves {
+    pub(super) tree: Tree,
+    /// The sums of the wave before.
+    pub(super) before: Option<Sums>,
+    /// The sums of a wave that is over, if this worker has not gone on yet.
+    pub(super) passed: Option<Sums>,
+}
+
+/// The exchanges of keys with the workers beside.
+#[derive(Debug, Default)]
+pub(super) struct Exchange {
+    /// Exchanges so far.
+    pub(super) number: u64,
+    /// Keys of later exchanges.
+    pub(super) early: Vec<(WorkerId, u64, KeysTold)>,
+    /// Workers beside that have still to tell.
+    pub(super) awaited: BTreeSet<WorkerId>,
+}
+
+/// The choice of a round.
+#[derive(Debug, Default)]
+pub(super) struct Choice {
+    /// The number of tetrahedra that come before all around them, if this round splits such.
+    pub(super) foremost: Option<i64>,
+    /// Does it split boundary items?
+    pub(super) has_boundary: bool,
+    pub(super) probes: Vec<Probe>,
+    /// Probes to launch.
+    pub(super) to_launch: VecDeque<u32>,
+    /// The slot where the last probe for a boundary item has ended here.
+    pub(super) near: Option<TetId>,
+    /// Probes under way, or to be decided.
+    pub(super) open: usize,
+    /// Probes whose points may be inserted, unless others are in their way.
+    pub(super) fits: i64,
+}
+
+/// The points that a worker gives in a round.
+#[derive(Debug, Default)]
+pub(super) struct Points {
+    pub(super) chosen: VecDeque<ChosenPoint>,
+    /// The tetrahedra that points chosen in this round begin at, by their names from `first` on.
+    pub(super) starts: Vec<Start>,
+    pub(super) first: VertexName,
+    /// The number of points chosen in this round, by class.
+    pub(super) by_class: [i64; 3],
+    /// Vertices named so far: no mesh has as many as there are names.
+    pub(super) made: u32,
+}
+
+/// The sizes of rounds that all workers know.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Budget {
+    /// The candidates among the tetrahedra when last counted.
+    pub(super) counted: i64,
+    /// Points inserted so far, by all, those before the rounds included.
+    pub(super) total: i64,
+    pub(super) most: i64,
+}
+
+/// News to be told.
+#[derive(Debug, Default)]
+pub(super) struct Mail {
+    out: VecDeque<(WorkerId, DomainNews)>,
+    /// The memory of news that others have told together: about as much is told them.
+    spare: Vec<Vec<DomainNews>>,
+}
+
+impl Mail {
+    pub(super) fn send(&mut self, to: WorkerId, news: DomainNews) {
+        self.out.push_back((to, news));
+    }
+
+    /// The next news: all that is to be told one worker goes together.
+    fn tell(&mut self, me: WorkerId) -> Option<(WorkerId, DomainNews)> {
+        let (to, first) = self.out.pop_front()?;
+        if to == me || self.out.iter().all(|(other, _)| *other != to) {
+            return Some((to, first));
+        }
+        let mut all = self.spare.pop().unwrap_or_default();
+        all.push(first);
+        // News for others go around, and are in their order again.
+        for _ in 0..self.out.len() {
+            match self.out.pop_front() {
+                Some((other, news)) if other == to => all.push(news),
+                other => self.out.extend(other),
+            }
+        }
+        Some((to, DomainNews::Several(all)))
+    }
+}
+
 /// One worker's part in rounds.
 #[derive(Debug)]
 pub struct Rounds<C = Correct> {
@@ -77,70 +161,30 @@ pub struct Rounds<C = Correct> {
     pub(super) workers: u32,
     /// Blocks of every worker at the start.
     pub(super) blocks_each: u32,
-    pub(super) tree: Tree,
     pub(super) stage: Stage,
-    /// Exchanges so far.
-    pub(super) exchange: u64,
+    pub(super) waves: Waves,
+    pub(super) exchange: Exchange,
     pub(super) keys: SharedKeys,
-    /// Keys of later exchanges.
-    pub(super) early: Vec<(WorkerId, u64, KeysTold)>,
-    /// Workers beside that have still to tell.
-    pub(super) awaited: BTreeSet<WorkerId>,
-    /// The number of tetrahedra that come before all around them, if this round splits such.
-    pub(super) foremost: Option<i64>,
-    /// Does it split boundary items?
-    pub(super) has_boundary: bool,
     /// Cavities found for the next choice.
     pub(super) ahead: Ahead,
     pub(super) served: Served,
-    pub(super) probes: Vec<Probe>,
-    /// Probes to launch.
-    pub(super) to_launch: VecDeque<u32>,
-    /// Where the last probe for a boundary item has ended here.
-    pub(super) near: Option<TetId>,
-    /// Probes under way, or to be decided.
-    pub(super) open: usize,
-    /// Probes whose points may be inserted, unless others are in their way.
-    pub(super) fits: i64,
-    pub(super) chosen: VecDeque<ChosenPoint>,
-    /// The tetrahedra that points chosen in this round begin at, by their names from `first` on.
-    pub(super) starts: Vec<Start>,
-    pub(super) first: VertexName,
-    pub(super) pending: BTreeMap<ItemPlace, Pending>,
-    pub(super) waiters: BTreeMap<ItemPlace, Vec<(WorkerId, ItemPlace)>>,
-    pub(super) asked: Vec<Demand>,
-    pub(super) gone: Vec<ItemPlace>,
-    pub(super) released: Vec<ItemPlace>,
+    pub(super) choice: Choice,
+    pub(super) points: Points,
+    pub(super) demands: Demands,
     pub(super) counts: Counts,
-    /// The points that this worker has chosen in this round, by class.
-    pub(super) chosen_by_class: [i64; 3],
-    pub(super) out: VecDeque<(WorkerId, DomainNews)>,
-    /// The memory of news that others have told together: about as much is told them.
-    pub(super) spare: Vec<Vec<DomainNews>>,
-    /// Vertices named so far: no mesh has as many as there are names.
-    pub(super) made: u32,
+    pub(super) mail: Mail,
     pub(super) created: Vec<TetId>,
-    /// The candidates among the tetrahedra when last counted.
-    pub(super) counted: i64,
-    /// Points inserted so far, by all, those before the rounds included.
-    pub(super) total: i64,
-    pub(super) most: i64,
+    pub(super) budget: Budget,
     /// Is a probe of this worker one that rounds do not know what to do with?
     pub(super) is_irregular: bool,
     pub(super) is_cancelled: bool,
     pub(super) ending: Option<Ending>,
-    /// The sums of the wave before.
-    pub(super) before: Option<Sums>,
-    /// The sums of a wave that is over, if this worker has not gone on yet.
-    pub(super) passed: Option<Sums>,
     pub(super) figures: RoundFigures,
     pub(super) rules: PhantomData<C>,
 }
 
 /// A tetrahedron that a point begins at, and its vertices.
 pub(super) type Start = Option<(TetId, [VertexId; 4])>;
-/// An item to split, and the place of the item that waits for it.
-pub(super) type Demand = (Pending, Option<(WorkerId, ItemPlace)>);
 
 impl<C: Rules> Rounds<C> {
     /// The start of rounds in a submesh; `total` points of `most` were inserted before.
@@ -149,47 +193,27 @@ impl<C: Rules> Rounds<C> {
         (total, most): (u64, u64),
         mesh: &DomainMesh<'_>,
     ) -> Self {
+        let most = i64::try_from(most).unwrap_or(i64::MAX);
         Self {
             me,
             workers,
             blocks_each,
-            tree: Tree::new(me, workers),
             stage: Stage::Looking,
-            exchange: 0,
+            waves: Waves { tree: Tree::new(me, workers), before: None, passed: None },
+            exchange: Exchange::default(),
             keys: SharedKeys::default(),
-            early: Vec::new(),
-            awaited: BTreeSet::new(),
-            foremost: None,
-            has_boundary: false,
             ahead: Ahead::default(),
             served: Served::new(me),
-            probes: Vec::new(),
-            to_launch: VecDeque::new(),
-            near: None,
-            open: 0,
-            fits: 0,
-            chosen: VecDeque::new(),
-            starts: Vec::new(),
-            first: 0,
-            pending: BTreeMap::new(),
-            waiters: BTreeMap::new(),
-            asked: Vec::new(),
-            gone: Vec::new(),
-            released: Vec::new(),
+            choice: Choice::default(),
+            points: Points::default(),
+            demands: Demands::default(),
             counts: Counts::default(),
-            chosen_by_class: [0; 3],
-            out: VecDeque::new(),
-            spare: Vec::new(),
-            made: 0,
+            mail: Mail::default(),
             created: mesh.inner.tets().tets().map(|(t, _)| t).collect(),
-            counted: 0,
-            total: total as i64,
-            most: i64::try_from(most).unwrap_or(i64::MAX),
+            budget: Budget { counted: 0, total: total as i64, most },
             is_irregular: false,
             is_cancelled: false,
             ending: None,
-            before: None,
-            passed: None,
             figures: RoundFigures::default(),
             rules: PhantomData,
         }
@@ -209,7 +233,7 @@ impl<C: Rules> Rounds<C> {
         candidates: usize,
         figures: RoundFigures,
     ) {
-        self.counted = candidates as i64;
+        self.budget.counted = candidates as i64;
         self.figures = figures;
         let items: BTreeMap<ItemPlace, BoundaryItem> =
             asked.iter().map(|own| (own.item.place(), own.item)).collect();
@@ -217,12 +241,12 @@ impl<C: Rules> Rounds<C> {
             let (item, first, limit, place) = (*item, *first, *limit, item.place());
             let keeper = self.keeper(mesh, &item);
             if keeper == self.me {
-                self.pending.insert(place, Pending { item, first, limit, near: None });
+                self.demands.pending.insert(place, Pending { item, first, limit, near: None });
             }
             if let Some(other) = first.and_then(|first| items.get(&first))
                 && self.keeper(mesh, other) == self.me
             {
-                self.waiters.entry(other.place()).or_default().push((keeper, place));
+                self.demands.waiters.entry(other.place()).or_default().push((keeper, place));
             }
         }
     }
@@ -233,8 +257,15 @@ impl<C: Rules> Rounds<C> {
         self,
         mesh: &DomainMesh<'_>,
     ) -> (Vec<Pending>, usize, Vec<TetId>, Option<Ending>, RoundFigures) {
-        let (pending, thin) = (self.pending.into_values().collect(), self.keys.into_thin(mesh));
-        (pending, usize::try_from(self.counted).unwrap_or(0), thin, self.ending, self.figures)
+        let (pending, thin) =
+            (self.demands.pending.into_values().collect(), self.keys.into_thin(mesh));
+        (
+            pending,
+            usize::try_from(self.budget.counted).unwrap_or(0),
+            thin,
+            self.ending,
+            self.figures,
+        )
     }
 
     /// Asks the processor to fetch the cavities of the next points to insert. A hint: they may have
@@ -242,32 +273,32 @@ impl<C: Rules> Rounds<C> {
     fn fetch(&self, mesh: &DomainMesh<'_>) {
         let tets = mesh.inner.tets();
         let cavity = |own: &ChosenPoint| self.served.cavity_at(&own.cavity);
-        let next = self.chosen.get(1).map(cavity).unwrap_or_default();
+        let next = self.points.chosen.get(1).map(cavity).unwrap_or_default();
         next.iter().for_each(|&t| mesh.prefetch(t));
         // The next cavity is in the cache by now: its neighbours are fetched.
-        for &t in self.chosen.front().map(cavity).unwrap_or_default() {
+        for &t in self.points.chosen.front().map(cavity).unwrap_or_default() {
             tets.neighbours(t).into_iter().for_each(|face| tets.prefetch(tet_of(face)));
         }
     }
 
     /// Are there many new tetrahedra to look at? One that waits for others looks at few at a time.
     fn has_many_created(&self) -> bool {
-        self.created.len() >= LOOK && !self.tree.has_put()
+        self.created.len() >= LOOK && !self.waves.tree.has_put()
     }
 
     /// The number of a point among those chosen in this round; others have numbers beyond.
     fn number(&self, point: &DomainPoint) -> usize {
-        point.name().wrapping_sub(self.first) as usize
+        point.name().wrapping_sub(self.points.first) as usize
     }
 
     /// A point is not to begin at its tetrahedron any more.
     fn forget_start(&mut self, point: &DomainPoint) {
         let number = self.number(point);
-        self.starts.get_mut(number).into_iter().for_each(|start| *start = None);
+        self.points.starts.get_mut(number).into_iter().for_each(|start| *start = None);
     }
 
     pub(super) fn send(&mut self, to: WorkerId, news: DomainNews) {
-        self.out.push_back((to, news));
+        self.mail.send(to, news);
     }
 }
 
@@ -278,7 +309,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
         if self.stage != Stage::Inserting {
             return None;
         }
-        let next = self.chosen.pop_front()?;
+        let next = self.points.chosen.pop_front()?;
         self.fetch(mesh);
         mesh.remember(next.point.name(), self.served.cavity_at(&next.cavity));
         Some(next.point)
@@ -289,11 +320,11 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
     }
 
     fn is_ready(&self) -> bool {
-        self.stage == Stage::Inserting && !self.chosen.is_empty()
+        self.stage == Stage::Inserting && !self.points.chosen.is_empty()
     }
 
     fn item(&self, mesh: &DomainMesh<'c>, point: &DomainPoint) -> Item<TetId> {
-        let start = self.starts.get(self.number(point)).and_then(Option::as_ref);
+        let start = self.points.starts.get(self.number(point)).and_then(Option::as_ref);
         let start = start.filter(|&&own| mesh.has(own));
         start.map_or(Item::Free, |&(t, _)| Item::At(t))
     }
@@ -322,40 +353,40 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
 
     fn has_thoughts(&self, standing: Standing) -> bool {
         match self.stage {
-            _ if self.passed.is_some() => true,
+            _ if self.waves.passed.is_some() => true,
             Stage::Looking => true,
-            Stage::Exchanging(_) if self.awaited.is_empty() => true,
-            Stage::Choosing if !self.to_launch.is_empty() => true,
+            Stage::Exchanging(_) if self.exchange.awaited.is_empty() => true,
+            Stage::Choosing if !self.choice.to_launch.is_empty() => true,
             Stage::Inserting if self.has_many_created() => true,
-            _ if !self.tree.has_put() && self.is_ready_for_barrier(standing) => true,
+            _ if !self.waves.tree.has_put() && self.is_ready_for_barrier(standing) => true,
             _ => self.looks_ahead(standing),
         }
     }
 
     fn think(&mut self, mesh: &mut DomainMesh<'c>, directory: &Directory, standing: Standing) {
-        if let Some(sums) = self.passed.take() {
+        if let Some(sums) = self.waves.passed.take() {
             return self.go_on(mesh, sums);
         }
         match self.stage {
             Stage::Looking => self.look(mesh, directory),
-            Stage::Exchanging(second) if self.awaited.is_empty() => {
+            Stage::Exchanging(second) if self.exchange.awaited.is_empty() => {
                 self.end_exchange(mesh, directory, second);
             }
             Stage::Inserting if self.has_many_created() => self.look_at_created(mesh, LOOK),
-            Stage::Choosing if !self.to_launch.is_empty() => {
+            Stage::Choosing if !self.choice.to_launch.is_empty() => {
                 for _ in 0..TOGETHER {
-                    let Some(k) = self.to_launch.pop_front() else { break };
+                    let Some(k) = self.choice.to_launch.pop_front() else { break };
                     self.fetch_ahead(mesh);
                     self.launch(mesh, directory, k);
                 }
             }
             // R21.
-            Stage::Choosing if !C::AWAITS_RESERVATIONS && self.open == 0 => {
+            Stage::Choosing if !C::AWAITS_RESERVATIONS && self.choice.open == 0 => {
                 self.begin_to_decide(mesh);
                 self.end_decisions();
             }
-            _ if !self.tree.has_put() && self.is_ready_for_barrier(standing) => {
-                let step = self.tree.put(self.sums(standing));
+            _ if !self.waves.tree.has_put() && self.is_ready_for_barrier(standing) => {
+                let step = self.waves.tree.put(self.sums(standing));
                 self.take_step(step);
             }
             _ if self.looks_ahead(standing) => self.look_ahead(mesh),
@@ -375,11 +406,11 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 for news in all.drain(..) {
                     self.hear(mesh, directory, from, news);
                 }
-                keep(&mut self.spare, all);
+                keep(&mut self.mail.spare, all);
             }
             DomainNews::Keys { exchange, keys } => self.take_keys(mesh, from, exchange, keys),
             DomainNews::Up(sums) => {
-                let step = self.tree.hear(sums);
+                let step = self.waves.tree.hear(sums);
                 self.take_step(step);
             }
             DomainNews::Down(sums) => self.pass_on(sums),
@@ -422,43 +453,29 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 self.counts.asks -= 1;
                 let waiter = waiter.map(|place| (from, place));
                 let (item, limit) = (item.item(), limit.map(f64::from_bits));
-                self.asked.push((Pending { item, first: None, limit, near: None }, waiter));
+                self.demands.asked.push((Pending { item, first: None, limit, near: None }, waiter));
             }
             DomainNews::Gone(place) => {
                 self.counts.asks -= 1;
-                self.gone.push(place);
+                self.demands.gone.push(place);
             }
             DomainNews::Release(place) => {
                 self.counts.releases -= 1;
-                self.released.push(place);
+                self.demands.released.push(place);
                 // One may be told before this worker knows that the round is over.
                 if self.stage != Stage::Inserting {
-                    self.release();
+                    self.demands.release();
                 }
             }
         }
     }
 
-    /// All that is to be told one worker goes together.
     fn tell(&mut self) -> Option<(WorkerId, DomainNews)> {
-        let (to, first) = self.out.pop_front()?;
-        if to == self.me || self.out.iter().all(|(other, _)| *other != to) {
-            return Some((to, first));
-        }
-        let mut all = self.spare.pop().unwrap_or_default();
-        all.push(first);
-        // News for others go around, and are in their order again.
-        for _ in 0..self.out.len() {
-            match self.out.pop_front() {
-                Some((other, news)) if other == to => all.push(news),
-                other => self.out.extend(other),
-            }
-        }
-        Some((to, DomainNews::Several(all)))
+        self.mail.tell(self.me)
     }
 
     fn excluded(&self) -> &'static [&'static str] {
-        self.stage.excludes(!self.tree.has_put() && self.passed.is_none())
+        self.stage.excludes(!self.waves.tree.has_put() && self.waves.passed.is_none())
     }
 
     fn describe(&self) -> String {

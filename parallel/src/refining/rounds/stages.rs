@@ -64,22 +64,22 @@ impl<C: Rules> Rounds<C> {
         }
         mesh.count_steps(self.keys.news() as u64 / 8);
         self.served.clear(mesh);
-        self.probes.clear();
+        self.choice.probes.clear();
         self.begin_exchange(mesh, directory, 0);
     }
 
     fn begin_exchange(&mut self, mesh: &DomainMesh<'_>, directory: &Directory, second: u32) {
         self.stage = Stage::Exchanging(second);
-        self.exchange += 1;
+        self.exchange.number += 1;
         let told = match second {
             0 => self.keys.ranks_told::<C>(mesh, directory),
             _ => self.keys.behind_told::<C>(mesh, directory),
         };
-        self.awaited = told.keys().copied().collect();
+        self.exchange.awaited = told.keys().copied().collect();
         for (to, keys) in told {
-            self.send(to, DomainNews::Keys { exchange: self.exchange, keys });
+            self.send(to, DomainNews::Keys { exchange: self.exchange.number, keys });
         }
-        for (from, exchange, keys) in std::mem::take(&mut self.early) {
+        for (from, exchange, keys) in std::mem::take(&mut self.exchange.early) {
             self.take_keys(mesh, from, exchange, keys);
         }
     }
@@ -93,11 +93,11 @@ impl<C: Rules> Rounds<C> {
     ) {
         match self.stage {
             // R20.
-            Stage::Exchanging(_) if exchange == self.exchange || !C::NUMBERS_EXCHANGES => {
+            Stage::Exchanging(_) if exchange == self.exchange.number || !C::NUMBERS_EXCHANGES => {
                 self.keys.hear(mesh, keys);
-                self.awaited.remove(&from);
+                self.exchange.awaited.remove(&from);
             }
-            _ => self.early.push((from, exchange, keys)),
+            _ => self.exchange.early.push((from, exchange, keys)),
         }
     }
 
@@ -118,8 +118,8 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn is_ready_for_barrier(&self, standing: Standing) -> bool {
         match self.stage {
             Stage::Counting => true,
-            Stage::Choosing => self.open == 0 && self.to_launch.is_empty(),
-            Stage::Inserting => standing.is_passive && self.chosen.is_empty(),
+            Stage::Choosing => self.choice.open == 0 && self.choice.to_launch.is_empty(),
+            Stage::Inserting => standing.is_passive && self.points.chosen.is_empty(),
             Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => false,
         }
     }
@@ -129,15 +129,15 @@ impl<C: Rules> Rounds<C> {
         let mut sums = [0; SUMS];
         match self.stage {
             Stage::Counting => {
-                let ready = self.pending.values().filter(|own| own.first.is_none()).count();
+                let ready = self.demands.ready();
                 sums[READY] = ready as i64;
-                sums[WAITING] = (self.pending.len() - ready) as i64;
+                sums[WAITING] = (self.demands.pending.len() - ready) as i64;
                 sums[OPEN] = self.counts.releases;
                 sums[CANCELLED] = i64::from(self.is_cancelled);
             }
             Stage::Choosing => {
-                sums[CANDIDATES] = self.fits;
-                sums[FOREMOST] = self.foremost.unwrap_or(0);
+                sums[CANDIDATES] = self.choice.fits;
+                sums[FOREMOST] = self.choice.foremost.unwrap_or(0);
                 sums[OPEN] = self.counts.notes;
                 sums[IRREGULAR] = i64::from(self.is_irregular);
             }
@@ -145,11 +145,11 @@ impl<C: Rules> Rounds<C> {
                 sums[SENT] = standing.sent as i64;
                 sums[TAKEN] = standing.received as i64;
                 sums[OPEN] = self.counts.asks;
-                for (place, count) in CHOSEN.into_iter().zip(self.chosen_by_class) {
+                for (place, count) in CHOSEN.into_iter().zip(self.points.by_class) {
                     sums[place] = count;
                 }
-                sums[NEWS] = self.asked.len() as i64;
-                sums[FOREMOST] = self.foremost.unwrap_or(0);
+                sums[NEWS] = self.demands.asked.len() as i64;
+                sums[FOREMOST] = self.choice.foremost.unwrap_or(0);
             }
             Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => {}
         }
@@ -166,17 +166,17 @@ impl<C: Rules> Rounds<C> {
 
     /// A barrier is over, with these sums. The rest is thought about when others have been told.
     pub(super) fn pass_on(&mut self, sums: Sums) {
-        self.tree.release();
-        for to in self.tree.below() {
+        self.waves.tree.release();
+        for to in self.waves.tree.below() {
             self.send(to, DomainNews::Down(sums));
         }
         self.figures.barriers += 1;
-        self.passed = Some(sums);
+        self.waves.passed = Some(sums);
     }
 
     /// Goes on after a barrier.
     pub(super) fn go_on(&mut self, mesh: &mut DomainMesh<'_>, sums: Sums) {
-        let before = self.before.replace(sums);
+        let before = self.waves.before.replace(sums);
         match self.stage {
             // Something was still under way: once more.
             _ if sums[OPEN] != 0 => {}
@@ -190,7 +190,7 @@ impl<C: Rules> Rounds<C> {
             Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => {}
         }
         if self.stage != Stage::Inserting {
-            self.before = None;
+            self.waves.before = None;
         }
     }
 
@@ -201,7 +201,7 @@ impl<C: Rules> Rounds<C> {
         if sums[IRREGULAR] > 0 {
             return self.end(Ending::Irregular);
         }
-        if !is_done && self.total + sums[CANDIDATES] > self.most {
+        if !is_done && self.budget.total + sums[CANDIDATES] > self.budget.most {
             return self.end(Ending::Budget);
         }
         self.count(sums);
@@ -214,21 +214,21 @@ impl<C: Rules> Rounds<C> {
 
     /// All know how many candidates this round has among the tetrahedra, if it looked for them.
     fn count(&mut self, sums: &Sums) {
-        if self.foremost.is_some() {
-            self.counted = sums[FOREMOST];
+        if self.choice.foremost.is_some() {
+            self.budget.counted = sums[FOREMOST];
         }
     }
 
     /// All know how many foremost tetrahedra there are in this round: is nothing left?
     fn is_done(&self, sums: &Sums) -> bool {
-        !self.has_boundary && sums[FOREMOST] == 0
+        !self.choice.has_boundary && sums[FOREMOST] == 0
     }
 
     /// All know what there is to split: this round's probes are made.
     fn decide_what(&mut self, mesh: &mut DomainMesh<'_>, sums: &Sums) {
         let has_boundary = sums[READY] > 0;
         let has_tets = match has_boundary {
-            true => are_joined(sums[READY] as usize, self.counted as usize),
+            true => are_joined(sums[READY] as usize, self.budget.counted as usize),
             false => true,
         };
         if sums[CANCELLED] > 0 {
@@ -238,9 +238,10 @@ impl<C: Rules> Rounds<C> {
             return self.end(Ending::Circles);
         }
         self.stage = Stage::Choosing;
-        self.fits = 0;
+        self.choice.fits = 0;
         mesh.begin_round();
         let ready: Vec<BoundaryItem> = self
+            .demands
             .pending
             .values()
             .filter(|own| has_boundary && own.first.is_none())
@@ -250,21 +251,21 @@ impl<C: Rules> Rounds<C> {
         for k in along_curve(ready.iter().map(|item| item.corners()[0].point)) {
             let item = ready[k];
             let k = self.add_probe(What::Item(Box::new(item)), item.rank().lead(), 0);
-            self.to_launch.push_back(k);
+            self.choice.to_launch.push_back(k);
         }
-        self.has_boundary = has_boundary;
-        self.foremost = None;
+        self.choice.has_boundary = has_boundary;
+        self.choice.foremost = None;
         if !has_tets {
             return;
         }
         let foremost = self.keys.foremost::<C>(mesh);
-        self.foremost = Some(foremost.iter().map(Vec::len).sum::<usize>() as i64);
+        self.choice.foremost = Some(foremost.iter().map(Vec::len).sum::<usize>() as i64);
         // Candidates at interface faces come first: others are waited for there.
         for list in &foremost {
             for k in along_curve(list.iter().map(|own| own.at)) {
                 let Foremost { t, v, lead, .. } = list[k];
                 let k = self.add_probe(What::Tet(t, v), lead, 0);
-                self.to_launch.push_back(k);
+                self.choice.to_launch.push_back(k);
             }
         }
         self.keys.take_back(foremost);
@@ -272,19 +273,19 @@ impl<C: Rules> Rounds<C> {
 
     /// If all is decided, insertion begins.
     pub(super) fn end_decisions(&mut self) {
-        if self.stage == Stage::Deciding && self.open == 0 {
-            for probe in self.probes.iter().filter(|probe| probe.was_searched) {
+        if self.stage == Stage::Deciding && self.choice.open == 0 {
+            for probe in self.choice.probes.iter().filter(|probe| probe.was_searched) {
                 self.figures.searches += 1;
                 self.figures.ahead += u64::from(probe.is_ahead);
             }
-            self.starts.clear();
-            self.starts.extend(self.chosen.iter().map(|own| own.start));
-            if self.foremost.is_some() {
+            self.points.starts.clear();
+            self.points.starts.extend(self.points.chosen.iter().map(|own| own.start));
+            if self.choice.foremost.is_some() {
                 self.ahead.clear();
             }
             // Names follow one another.
-            self.first = self.chosen.front().map_or(0, |own| own.point.name());
-            (self.stage, self.before) = (Stage::Inserting, None);
+            self.points.first = self.points.chosen.front().map_or(0, |own| own.point.name());
+            (self.stage, self.waves.before) = (Stage::Inserting, None);
         }
     }
 
@@ -292,7 +293,7 @@ impl<C: Rules> Rounds<C> {
     fn settle(&mut self, sums: &Sums) {
         let chosen = CHOSEN.map(|place| sums[place]);
         let all: i64 = chosen.iter().sum();
-        self.total += all;
+        self.budget.total += all;
         let figures = &mut self.figures;
         if all > 0 {
             figures.rounds[0] += 1;
@@ -302,28 +303,13 @@ impl<C: Rules> Rounds<C> {
             figures.widest = figures.widest.max(all as u64);
             figures.points += all as u64;
         }
-        self.chosen_by_class = [0; 3];
-        self.starts.clear();
-        for (asked, waiter) in self.asked.drain(..) {
-            let place = asked.item.place();
-            let own = self.pending.entry(place).or_insert(asked);
-            own.limit = match (own.limit, asked.limit) {
-                (Some(a), Some(b)) => Some(a.min(b)),
-                (a, b) => a.or(b),
-            };
-            own.near = own.near.or(asked.near);
-            if let Some(waiter) = waiter {
-                self.waiters.entry(place).or_default().push(waiter);
-            }
+        self.points.by_class = [0; 3];
+        self.points.starts.clear();
+        for (keeper, waiter) in self.demands.settle() {
+            self.counts.releases += 1;
+            self.send(keeper, DomainNews::Release(waiter));
         }
-        for place in std::mem::take(&mut self.gone) {
-            self.pending.remove(&place);
-            for (keeper, waiter) in self.waiters.remove(&place).unwrap_or_default() {
-                self.counts.releases += 1;
-                self.send(keeper, DomainNews::Release(waiter));
-            }
-        }
-        self.release();
+        self.demands.release();
         self.stage = Stage::Looking;
         // R21: one that has not waited for the others is told now.
         if !C::AWAITS_RESERVATIONS {
@@ -338,29 +324,20 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// Items whose first ones are gone may be tried.
-    pub(super) fn release(&mut self) {
-        for place in std::mem::take(&mut self.released) {
-            if let Some(own) = self.pending.get_mut(&place) {
-                own.first = None;
-            }
-        }
-    }
-
     /// Where it is, and what it waits for.
     pub(super) fn progress(&self) -> String {
-        let (waves, has_put) = (self.figures.barriers, self.tree.has_put());
+        let (waves, has_put) = (self.figures.barriers, self.waves.tree.has_put());
         format!(
             "{:?} after {} exchanges and {waves} barriers, {}; awaits keys of {:?}; \
              {} probes open, {} to launch, {} points to give, {} items, {:?}",
             self.stage,
-            self.exchange,
+            self.exchange.number,
             if has_put { "waits at a barrier" } else { "at no barrier" },
-            self.awaited,
-            self.open,
-            self.to_launch.len(),
-            self.chosen.len(),
-            self.pending.len(),
+            self.exchange.awaited,
+            self.choice.open,
+            self.choice.to_launch.len(),
+            self.points.chosen.len(),
+            self.demands.pending.len(),
             self.counts,
         )
     }
@@ -368,7 +345,7 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn end(&mut self, ending: Ending) {
         self.ending = Some(ending);
         self.stage = Stage::Over;
-        self.to_launch.clear();
+        self.choice.to_launch.clear();
     }
 }
 

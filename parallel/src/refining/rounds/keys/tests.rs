@@ -66,9 +66,9 @@ fn run<'c>(
                     inboxes[to.number() as usize].push_back((WorkerId::new(k as u32), message));
                 }
             }
-            let first = nodes[0].source().exchange;
+            let first = nodes[0].source().exchange.number;
             let waits = |node: &RoundNode<'_, Correct>| {
-                node.source().stage == Stage::Counting && node.source().exchange == first
+                node.source().stage == Stage::Counting && node.source().exchange.number == first
             };
             if compared < first && nodes.iter().all(waits) {
                 compared = first;

@@ -1,6 +1,6 @@
 //! Barriers, and messages of one kind that are late; items that several workers ask for.
 
-use super::super::source::Pending;
+use super::super::demands::Pending;
 use super::super::under_way::Counts;
 use super::super::{Ending, RoundNode, rounds_by};
 use super::*;
@@ -199,9 +199,10 @@ fn of_several_limits_for_one_item_the_smallest_holds() {
             let [own, others @ ..] = limits;
             if is_pending {
                 let own = Pending { item, first: None, limit: Some(own), near: None };
-                source.pending.insert(item.place(), own);
+                source.demands.pending.insert(item.place(), own);
             } else {
                 source
+                    .demands
                     .asked
                     .push((Pending { item, first: None, limit: Some(own), near: None }, None));
             }
@@ -213,9 +214,9 @@ fn of_several_limits_for_one_item_the_smallest_holds() {
                 source.hear(mesh, &directory, WorkerId::new(from), news);
             }
             source.settle(&[0; SUMS]);
-            let kept = &source.pending[&item.place()];
+            let kept = &source.demands.pending[&item.place()];
             assert_eq!(kept.limit, Some(0.25), "{limits:?}, {is_pending}");
-            let waiters = &source.waiters[&item.place()];
+            let waiters = &source.demands.waiters[&item.place()];
             let expected = [(1, first), (2, second), (2, second)];
             assert_eq!(waiters[..], expected.map(|(w, place)| (WorkerId::new(w), place)));
             asked += 1;
