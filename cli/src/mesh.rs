@@ -245,7 +245,7 @@ fn refined(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> 
     if let Some(count) = job.max_points {
         refiner = refiner.max_points(count);
     }
-    refine((refiner, ready), (job.crew, job.asked.max_volume), (job.task.stop, job.task.name))
+    refine((&refiner, ready), job.crew, (job.task.stop, job.task.name))
 }
 
 /// Tells in a last line what is over a bound, if anything is.

@@ -3,10 +3,9 @@
 
 use crate::console::{self, Stop};
 use crate::outcome::{Failure, show};
-use crate::rounds::START;
 use ltbw::domain::Prepared;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
-use ltbw::refining::{Owners, RefineError, domain_on_threads, rounds_on_threads};
+use ltbw::refining::{Owners, RefineError, Splits, domain_on_threads, rounds_on_threads};
 use ltbw::threads::{Parallel, RunError, WorkerStats};
 use std::path::Path;
 
@@ -19,8 +18,8 @@ pub(crate) struct Made {
     pub(crate) owners: Owners,
     /// Why one thread has refined all.
     pub(crate) alone: Option<String>,
-    /// Did points come without rounds?
-    pub(crate) is_timed: bool,
+    /// The figures of points without rounds.
+    pub(crate) splits: Option<Splits>,
 }
 
 /// The mode in which workers refine a domain.
@@ -40,30 +39,10 @@ pub(crate) struct Crew {
     pub(crate) mode: Mode,
 }
 
-/// Vertices of each worker where points come one by one: with fewer, most cavities reach an
-/// interface.
-pub(crate) const START_EACH: usize = 2048;
-/// Tetrahedra of a mesh for each of the largest volume that its domain holds, about.
-const TETS_PER_VOLUME: f64 = 1.9;
-/// And for each vertex.
-const TETS_PER_VERTEX: f64 = 5.5;
-
-/// Vertices at which workers begin that do without rounds: a quarter of what a bound on volumes
-/// predicts, but no more than they can use.
-pub(crate) fn start_of(workers: u32, ready: &Prepared, max_volume: Option<f64>) -> usize {
-    let most = (START_EACH * workers as usize).max(START);
-    let volume = ready.report.volume().map_or(0.0, |volume| volume.to_f64());
-    let tets = max_volume.map(|bound| TETS_PER_VOLUME * volume / bound);
-    // A conversion of floats saturates.
-    let vertices = tets.map_or(usize::MAX, |tets| (tets / TETS_PER_VERTEX) as usize);
-    most.min(vertices / 4)
-}
-
-/// Refines a prepared domain, with the bound on volumes that is asked for, by a crew if there is
-/// one.
+/// Refines a prepared domain, by a crew if there is one.
 pub(crate) fn refine(
-    (refiner, ready): (Refiner<'_>, &Prepared),
-    (crew, max_volume): (Option<Crew>, Option<f64>),
+    (refiner, ready): (&Refiner<'_>, &Prepared),
+    crew: Option<Crew>,
     (stop, name): (&Stop, &Path),
 ) -> Result<(Refined, Made), Failure> {
     let failed = |error| Failure::Refine { path: name.to_owned(), error };
@@ -73,16 +52,17 @@ pub(crate) fn refine(
     };
     let parallel = Parallel::new(workers).cancel(stop.token());
     let run = match mode {
-        Mode::Rounds => rounds_on_threads(&refiner, whole, &parallel).map(|run| {
-            (run.refined, run.workers, run.owners, run.ending.map_or_else(Some, |_| None))
+        Mode::Rounds => rounds_on_threads(refiner, whole, &parallel).map(|run| {
+            let count = run.workers.iter().map(|own| own.local + own.operations).sum();
+            (run.refined, run.workers, run.owners, (count, run.ending.err(), None))
         }),
-        Mode::Async => {
-            let refiner = refiner.start(start_of(workers, ready, max_volume));
-            domain_on_threads(&refiner, whole, &parallel)
-                .map(|run| (run.refined, run.workers, run.owners, run.splits.err()))
-        }
+        Mode::Async => domain_on_threads(refiner, whole, &parallel).map(|run| {
+            let count = run.splits.as_ref().map_or(0, |own| own.inserted.iter().sum());
+            let (splits, unfit) = (run.splits.as_ref().ok().copied(), run.splits.err());
+            (run.refined, run.workers, run.owners, (count, unfit, splits))
+        }),
     };
-    let (refined, workers, owners, unfit) = run.map_err(|error| match error {
+    let (refined, workers, owners, (count, unfit, splits)) = run.map_err(|error| match error {
         RefineError::Domain(error) => failed(error),
         RefineError::Build(error) => Failure::Build { path: name.to_owned(), error },
         RefineError::Run(error @ RunError::Threads { .. }) => Failure::Machine(error.to_string()),
@@ -90,11 +70,10 @@ pub(crate) fn refine(
     })?;
     // A run that was stopped before has its own reason, and is told of that.
     let is_whole = matches!(refined.outcome, RefineOutcome::Met | RefineOutcome::Excused);
-    let is_idle = workers.iter().all(|own| own.local + own.operations == 0);
+    let is_idle = count == 0_u64;
     let nothing = || "nothing was left that workers may insert".to_owned();
     let alone = (is_whole && is_idle).then(|| unfit.map_or_else(nothing, |why| why.to_string()));
-    let is_timed = mode == Mode::Async && alone.is_none();
-    Ok((refined, Made { workers, owners, alone, is_timed }))
+    Ok((refined, Made { workers, owners, alone, splits }))
 }
 
 /// Says for people what the workers have done.
@@ -105,14 +84,25 @@ pub(crate) fn print_workers(made: &Made) {
     if made.workers.is_empty() {
         return;
     }
-    if made.is_timed {
+    let mut points = "points";
+    if let Some(Splits { inserted: [segments, facets, inside], deferred, refused, .. }) =
+        made.splits
+    {
         console::people("note: made without rounds: another run makes another mesh");
+        console::people(&format!(
+            "by them   {segments} points on segments, {facets} on facets, {inside} inside; \
+             {deferred} gave way, {} left to one processor",
+            refused.iter().sum::<u64>()
+        ));
+        // Points that give way, or do nothing, have cavities, too.
+        points = "cavities";
     }
     let count = |own: &WorkerStats| own.local + own.operations;
     let most = made.workers.iter().map(count).max().unwrap_or_default();
     let sum = |of: fn(&WorkerStats) -> u64| made.workers.iter().map(of).sum::<u64>();
     console::people(&format!(
-        "workers   {}, of at most {most} points; {} points at interfaces, {} setbacks, {} messages",
+        "workers   {}, of at most {most} {points}; {} points at interfaces, {} setbacks, {} \
+         messages",
         made.workers.len(),
         sum(|own| own.interface),
         sum(|own| own.setbacks),

@@ -14,6 +14,7 @@ use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_verify::{Limits, Plc, PlcFacet, conforms};
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 fn prepared(kind: DomainKind) -> Prepared {
     let domain = generate_domain(kind, &Shape::default()).expect("a shape");
@@ -75,9 +76,9 @@ fn check(name: &str, ready: &Prepared, volume: f64, run: &SimulatedDomain) {
     assert_eq!(splits.refused, [0, 0], "{name}: given up; {splits:?}");
     check_mesh(name, ready, volume, &run.refined);
     let inserted = run.started as u64 + splits.inserted.iter().sum::<u64>();
-    let stats = &run.refined.stats;
-    assert_eq!(inserted + stats.round_points, run.refined.mesh().num_vertices() as u64, "{name}");
-    assert!(stats.round_points * 20 < inserted, "{name}: {stats:?}");
+    // Slivers, and what relieves small angles.
+    let late = run.refined.mesh().num_vertices() as u64 - inserted;
+    assert!(late >= run.refined.stats.round_points && late * 20 < inserted, "{name}: {late}");
 }
 
 struct Run {
@@ -328,6 +329,27 @@ fn threads_refine_domains_without_rounds() {
             let owners: HashSet<u32> = run.owners.of(&run.refined, true).into_iter().collect();
             assert_eq!(owners.len(), workers as usize, "{name}");
         }
+    }
+}
+
+/// Every rule, closure and ownership on threads, with messages that take their time; blocks move.
+#[test]
+fn threads_take_every_setting_of_the_protocol() {
+    let (ready, volume) = (prepared(DomainKind::TwoMaterial), 1e-3);
+    let parallel = || Parallel::new(3);
+    for (name, parallel) in [
+        ("paper's rule", parallel().rule(Rule::Paper)),
+        ("vertex closure", parallel().closure(Closure::Vertex)),
+        ("latency", parallel().latency(Duration::from_micros(50))),
+        ("balance", parallel().balance(Balance::default())),
+    ] {
+        let refiner = Refiner::new().max_volume(volume).start(0);
+        let domain = (&ready.domain, &ready.lattice);
+        let run = domain_on_threads(&refiner, domain, &parallel);
+        let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));
+        check_mesh(name, &ready, volume, &run.refined);
+        let inserted: u64 = run.splits.expect("a plain domain").inserted.iter().sum();
+        assert!(inserted > 300, "{name}: {inserted}");
     }
 }
 

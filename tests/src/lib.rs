@@ -58,13 +58,15 @@ pub fn cases(default: u32) -> u32 {
 /// long run can be done in pieces), else as many as `default`, from 0 on.
 ///
 /// # Panics
-/// If `LTBW_CASES` is neither.
+/// If `LTBW_CASES` is neither, or names none.
 #[must_use]
 pub fn seeds(default: u32) -> Range<u64> {
     let Ok(text) = std::env::var("LTBW_CASES") else { return 0..u64::from(default) };
     let (first, end) = text.split_once("..").unwrap_or(("0", &text));
     let number = |text: &str| text.parse().expect("LTBW_CASES is 1000 or 0..1000");
-    number(first)..number(end)
+    let seeds = number(first)..number(end);
+    assert!(!seeds.is_empty(), "LTBW_CASES names no case");
+    seeds
 }
 
 /// The median of at least one number; of an even count, the mean of the middle two.

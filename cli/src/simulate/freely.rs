@@ -9,7 +9,7 @@ use crate::figures::{Doing, cost_model, tables};
 use crate::outcome::{Exit, Failure, show};
 use crate::plc::plc_of;
 use crate::progress::Stage;
-use crate::workers::start_of;
+use crate::rounds::START;
 use ltbw::TetMesh;
 use ltbw::domain::Prepared;
 use ltbw::protocol::Correct;
@@ -18,6 +18,24 @@ use ltbw::refining::{SimulatedDomain, simulate_domain};
 use ltbw::simulate::{Around, Options, Whole};
 use ltbw_verify as verify;
 use std::path::Path;
+
+/// Vertices of each processor at the start: with fewer, most cavities reach an interface.
+const START_EACH: usize = 2048;
+/// Tetrahedra of a mesh for each of the largest volume that its domain holds, about.
+const TETS_PER_VOLUME: f64 = 1.9;
+/// And for each vertex.
+const TETS_PER_VERTEX: f64 = 5.5;
+
+/// Vertices at which the processors begin: a quarter of what a bound on volumes predicts, but no
+/// more than they can use.
+fn start_of(workers: u32, ready: &Prepared, max_volume: Option<f64>) -> usize {
+    let most = (START_EACH * workers as usize).max(START);
+    let volume = ready.report.volume().map_or(0.0, |volume| volume.to_f64());
+    let tets = max_volume.map(|bound| TETS_PER_VOLUME * volume / bound);
+    // A conversion of floats saturates.
+    let vertices = tets.map_or(usize::MAX, |tets| (tets / TETS_PER_VERTEX) as usize);
+    most.min(vertices / 4)
+}
 
 /// `ltbw simulate --domain --mode async`.
 pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {

@@ -11,6 +11,9 @@ use crate::threads::{Parallel, WorkerStats};
 use ltbw_domain::{Domain, Lattice};
 use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, Handed, Refined, Refiner, Start};
 
+/// Vertices of each worker at the start: with fewer, most cavities reach an interface.
+const START_EACH: usize = 2048;
+
 /// A domain that simulated processors have refined.
 #[derive(Debug)]
 pub struct SimulatedDomain {
@@ -105,8 +108,9 @@ pub fn simulate_domain<C: Rules>(
     Ok(SimulatedDomain { refined, splits, started, summary, events })
 }
 
-/// Refines a domain on the threads of `parallel`, which share no mesh, as points come. The mesh
-/// depends on the timing. A domain that only rounds can refine is refined by these.
+/// Refines a domain on the threads of `parallel`, which share no mesh, as points come, from some
+/// vertices for each on ([`Refiner::start`] says otherwise). The mesh depends on the timing. A
+/// domain that only rounds can refine is refined by these, as by [`Refiner::refine`].
 ///
 /// # Errors
 /// [`RefineError`] if the domain has no mesh, or if a worker has failed.
@@ -116,9 +120,11 @@ pub fn domain_on_threads(
     parallel: &Parallel<'_>,
 ) -> Result<ThreadedDomain, RefineError> {
     let config = parallel.config();
-    let mut delegated = refiner.delegate(domain, lattice)?;
+    let wanted = parallel.plan_for(0).workers as usize * START_EACH;
+    let mut delegated = refiner.delegate_to(domain, lattice, wanted)?;
     let (complex, start) = match delegated.complex_without_circles() {
         Ok(whole) => whole,
+        Err(ComplexError::Refine(error)) => return Err(error.into()),
         Err(unfit) => {
             let (refined, owners) = (delegated.go_on()?, Owners::default());
             return Ok(ThreadedDomain { refined, workers: Vec::new(), owners, splits: Err(unfit) });

@@ -71,8 +71,8 @@ pub(super) const SLIPS: &[Slip] = &[
         "the budget is one point too small",
         &[Edit {
             file: "parallel/src/refining/rounds/stages.rs",
-            right: "self.total + sums[CANDIDATES] > self.most",
-            wrong: "self.total + sums[CANDIDATES] >= self.most",
+            right: "self.budget.total + sums[CANDIDATES] > self.budget.most",
+            wrong: "self.budget.total + sums[CANDIDATES] >= self.budget.most",
         }],
         "a_budget_is_used_up_to_the_last_point",
         "parallel/src/refining/rounds/stages/tests.rs",
@@ -81,8 +81,8 @@ pub(super) const SLIPS: &[Slip] = &[
         4,
         "a cavity found ahead is kept though its ring has changed",
         &[Edit {
-            file: "parallel/src/refining/rounds/keys.rs",
-            right: "stands(t) && tets.neighbours(t).map(tet_of).into_iter().all(stands)",
+            file: "core/refine/src/rounds/keys.rs",
+            right: "stands(t) && mesh.neighbours(t).into_iter().all(stands)",
             wrong: "stands(t)",
         }],
         "a_cavity_has_changed_if_its_ring_has",
@@ -92,7 +92,7 @@ pub(super) const SLIPS: &[Slip] = &[
         5,
         "of two limits for one item the larger holds",
         &[Edit {
-            file: "parallel/src/refining/rounds/stages.rs",
+            file: "parallel/src/refining/rounds/demands.rs",
             right: "Some(a.min(b))",
             wrong: "Some(a.max(b))",
         }],
@@ -115,7 +115,7 @@ pub(super) const SLIPS: &[Slip] = &[
         "the old rank of a far slot is not forgotten",
         &[Edit {
             file: "parallel/src/refining/rounds/keys.rs",
-            right: "self.forget(far)",
+            right: "self.own.forget(far)",
             wrong: "",
         }],
         "exchanges_tell_what_stands_beyond_every_interface_face",
@@ -169,12 +169,12 @@ pub(super) const SLIPS: &[Slip] = &[
         12,
         "a change of a witness is not looked at",
         &[Edit {
-            file: "core/refine/src/rounds/sift.rs",
+            file: "core/refine/src/rounds/keys.rs",
             right: "changed(own, other) | is_alone",
             wrong: "is_alone",
         }],
         "a_witness_holds_until_something_on_the_way_there_changes",
-        "core/refine/src/rounds/sift.rs",
+        "core/refine/src/rounds/keys.rs",
     ),
     seen(
         13,

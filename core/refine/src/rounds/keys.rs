@@ -63,7 +63,7 @@ impl Keys {
 
     /// The look at which slot `t` was written last.
     #[inline(always)]
-    pub fn stamp(&self, t: TetId) -> u32 {
+    pub(crate) fn stamp(&self, t: TetId) -> u32 {
         self.stamps.at(t)
     }
 
@@ -74,13 +74,13 @@ impl Keys {
 
     /// Asks the processor to fetch the key of slot `t`. A hint.
     #[inline(always)]
-    pub fn prefetch(&self, t: TetId) {
+    pub(crate) fn prefetch(&self, t: TetId) {
         self.keys.prefetch(t);
     }
 
     /// Asks the processor to fetch what a look writes of slot `t`. A hint.
     #[inline(always)]
-    pub fn prefetch_all(&self, t: TetId) {
+    pub(crate) fn prefetch_all(&self, t: TetId) {
         self.keys.prefetch(t);
         self.stamps.prefetch(t);
     }
@@ -91,7 +91,7 @@ impl Keys {
     }
 
     /// Counts looks that several threads have made, each those of its own slots.
-    pub fn pass_looks(&mut self, looks: u32) {
+    pub(crate) fn pass_looks(&mut self, looks: u32) {
         self.look += looks;
     }
 
@@ -110,7 +110,7 @@ impl Keys {
 
     /// Notes that the tetrahedron in slot `t` is new at this look.
     #[inline(always)]
-    pub fn touch(&self, t: TetId) {
+    pub(crate) fn touch(&self, t: TetId) {
         self.stamps.set(t, self.look);
     }
 
@@ -136,17 +136,17 @@ impl Keys {
     }
 
     /// The number of entries, those of tetrahedra that are gone included.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.bad.len()
     }
 
     /// The slots of all entries, those of tetrahedra that are gone included.
-    pub fn entries(&self) -> impl Iterator<Item = TetId> + '_ {
+    pub(crate) fn entries(&self) -> impl Iterator<Item = TetId> + '_ {
         self.bad.iter().map(|own| own.t)
     }
 
     /// Forgets all entries.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.bad.clear();
         self.hole = 0..0;
     }
@@ -165,7 +165,7 @@ impl Keys {
     /// A slot without a tetrahedron has no key, or while points are inserted one of before: a
     /// witness that its stamp forgets.
     #[inline(always)]
-    pub fn one_before(&self, mesh: &impl Ranked, t: TetId) -> Option<[TetId; 2]> {
+    pub(crate) fn one_before(&self, mesh: &impl Ranked, t: TetId) -> Option<[TetId; 2]> {
         let own = (t, self.at(t));
         let is_before = |&one: &TetId| self.is_before(mesh, one, own);
         witness(t, mesh.neighbours(t), |way| mesh.around(way), is_before)

@@ -4,7 +4,6 @@
 use super::keys::Keys;
 use super::ranked::{Bad, witness};
 use super::reserved::Reserved;
-
 use super::{Candidate, Choice, Look, Rounds};
 use crate::RefineError;
 use crate::complex::carrier::Carrier;

@@ -105,7 +105,7 @@ struct Candidate {
     /// Does it have to be the foremost in its whole closure, and to be left alone there?
     alone: bool,
     place: Place,
-    /// Its tetrahedra in [`Rounds::cavities`].
+    /// Its tetrahedra in [`Choice::cavities`].
     cavity: Range<usize>,
     /// The changes that come with it, if nothing in its closure changes before.
     filling: Filling,

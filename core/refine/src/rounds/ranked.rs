@@ -10,22 +10,22 @@ use ltbw_core::topology::TetId;
 #[derive(Clone, Copy, Debug)]
 pub struct Bad {
     /// Its slot.
-    pub t: TetId,
+    pub(super) t: TetId,
     /// A tetrahedron that came before it at that look, after the neighbour on the way there, or `t`
     /// itself; `t` twice if none was found.
-    pub witness: [TetId; 2],
+    pub(super) witness: [TetId; 2],
     /// The look at new tetrahedra up to which all this is so.
     pub(super) look: u32,
 }
 
 impl Bad {
     /// One that is new.
-    pub fn new(t: TetId, look: u32) -> Self {
+    pub(super) fn new(t: TetId, look: u32) -> Self {
         Self { t, witness: [t; 2], look }
     }
 
     /// Is its tetrahedron there, if its slot was written last at the look `stamp`?
-    pub fn is_there(&self, stamp: u32) -> bool {
+    pub(super) fn is_there(&self, stamp: u32) -> bool {
         stamp <= self.look
     }
 }

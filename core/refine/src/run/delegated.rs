@@ -24,6 +24,11 @@ use ltbw_exact::Point;
 use rayon::prelude::*;
 use std::time::Instant;
 
+/// The part of a mesh that is made before others without rounds begin.
+const SHARE: usize = 4;
+/// Tetrahedra of a mesh for each vertex, about.
+const TETS_PER_VERTEX: usize = 5;
+
 /// A refinement whose rounds others carry out.
 #[doc(hidden)]
 pub struct Delegated<'a> {
@@ -93,6 +98,21 @@ impl<'a> Refiner<'a> {
         domain: &Domain,
         lattice: &Lattice,
     ) -> Result<Delegated<'a>, RefineError> {
+        self.delegate_to(domain, lattice, 0)
+    }
+
+    /// Refines up to where others can begin that want this many vertices, or to a quarter of what
+    /// there will be; if only rounds can refine the domain, to where these begin.
+    ///
+    /// # Errors
+    /// Those of [`Refiner::refine`].
+    #[doc(hidden)]
+    pub fn delegate_to(
+        &self,
+        domain: &Domain,
+        lattice: &Lattice,
+        wanted: usize,
+    ) -> Result<Delegated<'a>, RefineError> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
         let clock = Instant::now();
         let heed = run.heed();
@@ -103,7 +123,13 @@ impl<'a> Refiner<'a> {
         }
         let patched = run.refinement.state.plc.has_patches();
         let usual = if patched { START_WITH_PATCHES } else { START };
-        run.refine(self.start.unwrap_or(usual))?;
+        let is_for_others = wanted > 0 && run.complex().is_ok();
+        let start = match run.refinement.state.expected / TETS_PER_VERTEX {
+            _ if !is_for_others => usual,
+            0 => usual.max(wanted),
+            vertices => usual.max(wanted).min(vertices / SHARE),
+        };
+        run.refine(self.start.unwrap_or(start))?;
         let start_seconds = clock.elapsed().as_secs_f64();
         Ok(Delegated { run, regions, lattice: *lattice, clock, start_seconds })
     }
@@ -124,7 +150,8 @@ impl<'a> Delegated<'a> {
     /// a circle: for others that cannot do that.
     ///
     /// # Errors
-    /// As of [`Delegated::complex`], and nothing was split; or a broken invariant.
+    /// As of [`Delegated::complex`], before anything is split; a run that stops while these are, or
+    /// a broken invariant.
     pub fn complex_without_circles(&mut self) -> Result<(Complex<'a>, Start), ComplexError> {
         self.fit()?;
         self.run.part_circles()?;

@@ -3,7 +3,7 @@
 
 use super::mesh::DomainMesh;
 use super::values::{Asked, DomainPoint, End, ItemKey};
-use crate::balance::Workload;
+use crate::balance::{Balance, Workload};
 use crate::mesh::{VertexName, WireVertex, made};
 use crate::protocol::{BlockId, Directory, Item, Source, WorkerId};
 use crate::refining::news::DomainNews;
@@ -23,7 +23,8 @@ const TRIES: u16 = 5000;
 const TET: ItemKey = [0; 3];
 
 /// Something to split, at a tetrahedron here. While the tetrahedron has these vertices it is the
-/// same one: none comes back.
+/// same one: none comes back, but with a block that has moved away and back, and then it is in the
+/// list anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
     /// The number of vertices that an item has less than a tetrahedron: segments go first.
@@ -172,7 +173,7 @@ impl BadItems {
     }
 
     /// Was the budget of points used up?
-    pub(super) fn is_exhausted(&self) -> bool {
+    fn is_exhausted(&self) -> bool {
         u64::from(self.made) >= self.most
     }
 
@@ -235,7 +236,7 @@ impl BadItems {
 
     /// Enters the boundary item that the last patch has brought.
     fn enter_asked(&mut self, mesh: &DomainMesh<'_>) {
-        let Some(Asked { key, of, tet, waiter }) = mesh.asked() else { return };
+        let Some(Asked { key, of, tet, waiter }) = mesh.take_asked() else { return };
         let tets = mesh.inner.tets();
         if !tets.is_live(tet) || self.is_closed {
             // It may be split already: the waiter finds out.
@@ -306,8 +307,10 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
         if chosen.is_none() && !locked.is_empty() {
             let entry = locked.remove(0);
             chosen = Self::propose(mesh, &entry).map(|proposed| (entry, proposed));
-            if chosen.is_none() {
-                self.waiting.push(Entry { attempt: entry.attempt + 1, ..entry });
+            match chosen {
+                Some(_) => {}
+                None if entry.attempt == 0 => self.waiting.push(Entry { attempt: 1, ..entry }),
+                None => self.refuse(mesh, &entry),
             }
         }
         self.waiting.extend(locked);
@@ -430,8 +433,14 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
 }
 
 impl Workload for BadItems {
+    /// One whose share of the budget is used up wants no more, and has none to give.
     fn left(&self) -> u64 {
-        self.waiting.all.len() as u64
+        let least = if self.is_exhausted() { Balance::default().low } else { 0 };
+        least.max(self.waiting.all.len() as u64)
+    }
+
+    fn given(&self) -> u64 {
+        u64::from(self.made)
     }
 
     fn in_block(&self, block: BlockId) -> u64 {

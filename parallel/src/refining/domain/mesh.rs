@@ -21,7 +21,7 @@ use ltbw_core::{expect, prefetch};
 use ltbw_exact::Point;
 use ltbw_refine::{Carrier, Complex};
 use rustc_hash::FxHashSet;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
 /// A submesh of a domain.
@@ -34,8 +34,8 @@ pub struct DomainMesh<'c> {
     me: WorkerId,
     carriers: Carriers,
     slots: Slots,
-    /// The boundary item that goes first, by the last patch.
-    asked: Option<Asked>,
+    /// The boundary item that goes first, by the last patch, until it is taken.
+    asked: Cell<Option<Asked>>,
     /// The end of the last operation whose home is here.
     end: Option<End>,
     /// The way in which the last point was inserted, or given up, at once, if it was.
@@ -72,7 +72,7 @@ impl<'c> DomainMesh<'c> {
             me,
             carriers,
             slots,
-            asked: None,
+            asked: Cell::default(),
             end: None,
             at_once: AtOnce::No,
             star: Vec::new(),
@@ -186,8 +186,9 @@ impl<'c> DomainMesh<'c> {
         self.extra.looks += looks;
     }
 
-    pub(super) fn asked(&self) -> Option<Asked> {
-        self.asked
+    /// Takes the boundary item that the last patch has brought.
+    pub(super) fn take_asked(&self) -> Option<Asked> {
+        self.asked.take()
     }
 
     pub(super) fn end(&self) -> Option<End> {
@@ -253,8 +254,10 @@ impl Submesh for DomainMesh<'_> {
             return Insert::Blocked;
         }
         self.at_once = AtOnce::Patched;
-        // Nothing gets a name, and nothing belongs to a block that moves.
-        self.apply::<Correct>(patch, directory, &mut Vec::new(), &mut Vec::new());
+        // Nothing gets a name, and all is this worker's by the directory of this very step.
+        let mut strays = Vec::new();
+        self.apply::<Correct>(patch, directory, &mut Vec::new(), &mut strays);
+        debug_assert!(strays.is_empty());
         Insert::Done
     }
 
@@ -344,7 +347,8 @@ impl Submesh for DomainMesh<'_> {
     ) {
         let DomainPatch { patch, bound, regions, first, end } = patch;
         self.inner.apply::<C>(patch, directory, made, strays);
-        (self.asked, self.end) = (first, end);
+        self.asked.set(first);
+        self.end = end;
         if self.inner.error().is_some() {
             return;
         }
@@ -380,6 +384,7 @@ impl Submesh for DomainMesh<'_> {
     fn adopt(&mut self, cargo: DomainCargo, made: &mut Vec<Name>) {
         let DomainCargo { tets, bound, regions } = cargo;
         self.inner.adopt(tets, made);
+        self.asked.set(None);
         if self.inner.error().is_some() {
             return;
         }
