@@ -292,8 +292,8 @@ pub(super) const SLIPS: &[Slip] = &[
             Edit {
                 file: "parallel/src/refining/rounds/source.rs",
                 right: "self.counts.asks -= 1;
-                self.gone.push(place);",
-                wrong: "self.gone.push(place);",
+                self.demands.gone.push(place);",
+                wrong: "self.demands.gone.push(place);",
             },
         ],
         "no_message_is_behind_the_barrier_that_waits_for_it_however_late",
