@@ -315,9 +315,9 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=1024))]
     #[arg(allow_negative_numbers = true, conflicts_with = "trace")]
     pub(crate) workers: Option<u16>,
-    /// Choose points in rounds, which make one mesh, or as they come (async), as the paper does:
-    /// another mesh each time
+    /// rounds: one mesh; async: as the paper does, another each time
     #[arg(long, value_enum, default_value_t, requires = "workers", hide_short_help = true)]
+    #[arg(hide_possible_values = true, hide_default_value = true)]
     pub(crate) mode: Mode,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]

@@ -267,7 +267,7 @@ fn the_simulator_refines_a_domain_without_rounds() {
         &["--processors", "4", "--json", "a.json"][..],
         &["--processors", "9", "--latency", "100us", "--ownership", "newest", "--json", "a.json"],
         &["--processors", "1", "--json", "a.json"],
-        &["--processors", "4", "--blocks", "6", "--storm", "200us", "--json", "a.json"],
+        &["--processors", "4", "--blocks", "6", "--storm", "50us", "--json", "a.json"],
     ] {
         let run = ltbw(dir.path(), &[&base[..], &["--mode", "async"], more].concat());
         // The program checks the mesh against the domain.
@@ -282,7 +282,7 @@ fn the_simulator_refines_a_domain_without_rounds() {
     let report = json(dir.path().join("a.json"));
     let moves = report["simulation"]["workers"].as_array().unwrap().iter();
     let moves: u64 = moves.map(|own| own["migrations"].as_u64().unwrap()).sum();
-    assert!(moves > 10, "{moves} blocks have moved in the storm");
+    assert!(moves > 3, "{moves} blocks have moved in the storm");
     for (wrong, code) in [
         (&["--mode", "async"][..], 2),
         (

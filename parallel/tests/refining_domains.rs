@@ -364,24 +364,52 @@ fn a_domain_that_only_rounds_can_refine_is_refined_by_them() {
     assert_eq!(run.refined.mesh().hash(), engine.mesh().hash());
 }
 
+/// A run that is cancelled at any time ends: nobody waits for one that splits nothing any more.
+#[test]
+fn a_run_that_is_cancelled_at_any_time_ends() {
+    let (ready, volume) = (prepared(DomainKind::CubeOctahedron), 1e-3);
+    let domain = (&ready.domain, &ready.lattice);
+    for rule in Rule::ALL {
+        let layout = |points| {
+            let config = Config { rule, window: 16, ..Config::new(8) };
+            (Layout::new(points, 8), config)
+        };
+        let refiner = Refiner::new().max_volume(volume).start(0);
+        let network = Network { latency: 100_000, ..Network::default() };
+        let options =
+            |cancel| Options { network, cancel, max_events: 5_000_000, ..Options::default() };
+        let whole = simulate_domain::<Correct>(&refiner, domain, layout, &options(None));
+        let makespan = whole.expect("a run ends").summary.makespan;
+        for part in (1..40).step_by(4) {
+            let options = options(Some(makespan * part / 40));
+            let run = simulate_domain::<Correct>(&refiner, domain, layout, &options);
+            let run = run.unwrap_or_else(|error| panic!("{rule}, {part} of 40: {error}"));
+            // The engine goes on where the processors have stopped.
+            assert_eq!(run.refined.outcome, RefineOutcome::Met, "{rule}, {part} of 40");
+        }
+    }
+}
+
 /// A run that is cancelled has a sound mesh.
 #[test]
 fn a_run_that_is_cancelled_has_a_sound_mesh() {
     let ready = prepared(DomainKind::CubeOctahedron);
-    let token = CancelToken::new();
-    let refiner = Refiner::new().max_volume(1e-4).start(0).cancel(&token);
-    let parallel = Parallel::new(3).cancel(&token);
-    let field = AtomicU32::new(0);
-    // Cancelled as the workers look at their tetrahedra.
-    let sizes = |_: Point| {
-        if field.fetch_add(1, Ordering::Relaxed) == 20_000 {
-            token.cancel();
-        }
-        0.03
-    };
-    let refiner = refiner.sizing(&sizes);
-    let run = domain_on_threads(&refiner, (&ready.domain, &ready.lattice), &parallel);
-    let run = run.expect("a mesh");
-    assert_eq!(run.refined.outcome, RefineOutcome::Cancelled);
-    invariants::check_all(run.refined.mesh()).expect("a sound mesh");
+    for asked in [6_000, 20_000, 40_000] {
+        let token = CancelToken::new();
+        let refiner = Refiner::new().max_volume(1e-4).start(0).cancel(&token);
+        let parallel = Parallel::new(3).cancel(&token);
+        let field = AtomicU32::new(0);
+        // Cancelled as the workers look at their tetrahedra.
+        let sizes = |_: Point| {
+            if field.fetch_add(1, Ordering::Relaxed) == asked {
+                token.cancel();
+            }
+            0.03
+        };
+        let refiner = refiner.sizing(&sizes);
+        let run = domain_on_threads(&refiner, (&ready.domain, &ready.lattice), &parallel);
+        let run = run.expect("a mesh");
+        assert_eq!(run.refined.outcome, RefineOutcome::Cancelled, "{asked}");
+        invariants::check_all(run.refined.mesh()).expect("a sound mesh");
+    }
 }

@@ -223,7 +223,9 @@ impl BadItems {
     fn set_behind(&mut self, mesh: &DomainMesh<'_>, mut entry: Entry, key: ItemKey, is_here: bool) {
         self.splits.deferred += 1;
         entry.tries.0 += 1;
-        if entry.tries.0 > TRIES {
+        if self.is_closed {
+            self.end(&entry);
+        } else if entry.tries.0 > TRIES {
             self.refuse(mesh, &entry);
         } else if !is_here && entry.is_tet() {
             self.behind_far.entry(key).or_default().push(entry);
@@ -344,9 +346,8 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
     }
 
     fn created(&mut self, mesh: &DomainMesh<'c>, tets: &[TetId]) {
-        if self.is_closed {
-            return;
-        }
+        // Others wait for what is asked for although nothing is split any more: they are told.
+        let tets = if self.is_closed { &[] } else { tets };
         for &tet in tets.iter().filter(|&&t| mesh.inner.tets().is_live(t)) {
             let corners = mesh.inner.tets().vertices(tet);
             if corners[3] == INFINITE {
