@@ -155,7 +155,6 @@ impl Keys {
     #[inline(always)]
     fn is_before(&self, mesh: &impl Ranked, one: TetId, (other, key): (TetId, u64)) -> bool {
         let own = self.at(one);
-        // R26.
         (own > key && (mesh.breaks_ties() || !Rank::is_tie(own, key)))
             || own == key && one != other && mesh.is_first_by_place(one, other)
     }

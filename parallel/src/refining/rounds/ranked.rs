@@ -62,6 +62,7 @@ impl<C: Rules> Ranked for RankedHere<'_, '_, C> {
 
     #[inline(always)]
     fn breaks_ties(&self) -> bool {
+        // R26.
         C::BREAKS_TIES
     }
 }
