@@ -21,7 +21,7 @@ const HEAD: u64 = 4096;
 /// The formats of what has no extension.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(crate) struct Streams {
-    /// Format of `-`, or of a file whose extension tells none: npy, vtu, ...
+    /// Format of `-`, or where the extension tells none: npy, vtu, ...
     #[arg(long, value_name = "NAME", value_parser = names(), hide_possible_values = true)]
     pub(crate) format: Option<Format>,
     /// The format of such an output where --format is about the input
