@@ -51,18 +51,21 @@ pub(crate) fn refine(
         return Ok((refiner.refine(whole.0, whole.1).map_err(failed)?, Made::default()));
     };
     let parallel = Parallel::new(workers).cancel(stop.token());
+    // The number of points that they have inserted, and why there is none.
     let run = match mode {
         Mode::Rounds => rounds_on_threads(refiner, whole, &parallel).map(|run| {
-            let count = run.workers.iter().map(|own| own.local + own.operations).sum();
-            (run.refined, run.workers, run.owners, (count, run.ending.err(), None))
+            let points: u64 = run.workers.iter().map(|own| own.local + own.operations).sum();
+            let made = Made { workers: run.workers, owners: run.owners, ..Made::default() };
+            (run.refined, made, points, run.ending.err())
         }),
         Mode::Async => domain_on_threads(refiner, whole, &parallel).map(|run| {
-            let count = run.splits.as_ref().map_or(0, |own| own.inserted.iter().sum());
-            let (splits, unfit) = (run.splits.as_ref().ok().copied(), run.splits.err());
-            (run.refined, run.workers, run.owners, (count, unfit, splits))
+            let splits = run.splits.as_ref().ok().copied();
+            let points = splits.map_or(0, |own| own.inserted.iter().sum());
+            let made = Made { workers: run.workers, owners: run.owners, splits, alone: None };
+            (run.refined, made, points, run.splits.err())
         }),
     };
-    let (refined, workers, owners, (count, unfit, splits)) = run.map_err(|error| match error {
+    let (refined, made, points, unfit) = run.map_err(|error| match error {
         RefineError::Domain(error) => failed(error),
         RefineError::Build(error) => Failure::Build { path: name.to_owned(), error },
         RefineError::Run(error @ RunError::Threads { .. }) => Failure::Machine(error.to_string()),
@@ -70,10 +73,10 @@ pub(crate) fn refine(
     })?;
     // A run that was stopped before has its own reason, and is told of that.
     let is_whole = matches!(refined.outcome, RefineOutcome::Met | RefineOutcome::Excused);
-    let is_idle = count == 0_u64;
     let nothing = || "nothing was left that workers may insert".to_owned();
-    let alone = (is_whole && is_idle).then(|| unfit.map_or_else(nothing, |why| why.to_string()));
-    Ok((refined, Made { workers, owners, alone, splits }))
+    let why = || unfit.map_or_else(nothing, |why| why.to_string());
+    let alone = (is_whole && points == 0).then(why);
+    Ok((refined, Made { alone, ..made }))
 }
 
 /// Says for people what the workers have done.

@@ -9,7 +9,7 @@ use crate::protocol::{Config, Correct, Rules};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use crate::threads::{Parallel, WorkerStats};
 use ltbw_domain::{Domain, Lattice};
-use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, Handed, Refined, Refiner, Start};
+use ltbw_refine::{Complex, ComplexError, Delegated, Handed, Refined, Refiner, Start};
 
 /// Vertices of each worker at the start: with fewer, most cavities reach an interface.
 const START_EACH: usize = 2048;
@@ -62,9 +62,7 @@ fn refine<'a, C: Rules, R>(
     run: impl FnOnce(Vec<DomainNode<'a, C>>) -> Result<(Vec<DomainNode<'a, C>>, R), RefineError>,
 ) -> Result<Refining<R>, RefineError> {
     // The budget is shared out beforehand: workers do not know what others have made.
-    let is_made = |c: &&Carrier| !matches!(c, Carrier::Corner(_));
-    let left = start.most.saturating_sub(start.carriers.iter().filter(is_made).count() as u64);
-    let share = left / u64::from(layout.workers);
+    let share = start.most.saturating_sub(start.made()) / u64::from(layout.workers);
     let items = |me, mesh: &mut DomainMesh<'_>| {
         mesh.let_blocks_move();
         BadItems::new(me, share, mesh)

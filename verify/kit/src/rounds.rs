@@ -134,13 +134,9 @@ fn foremost(name: &str, flags: &[&'static str], around: &Around) -> Case {
     let all = TetId::below(around.corners.len() as u32);
     let (mut keys, mut found): (Keys, Vec<u32>) = Default::default();
     keys.grow(around.corners.len());
-    let over = all.filter(|t| around.over[t.index()]);
-    let enter = |t: TetId| {
-        keys.write(t, Rank::key_of_tet(around.corners[t.index()]), 0);
-        keys.entry(t)
-    };
-    let bad = over.map(enter).collect();
-    keys.put(bad);
+    for t in all.filter(|t| around.over[t.index()]) {
+        keys.enter(t, Rank::key_of_tet(around.corners[t.index()]));
+    }
     keys.sift(around, |t, _| found.push(t.number()));
     found.sort_unstable();
     let slow = |t: u32| {

@@ -222,8 +222,7 @@ impl Rounds<'_, '_> {
     /// the same segment or facet? Only the foremost of a slot counts: those behind that one wait.
     fn is_barred(&self, own: &Candidate) -> bool {
         self.has_in_closure(own, |t| {
-            let before = self.reserved.holder(t).filter(|&other| other < own.rank as usize);
-            before.is_some_and(|other| {
+            self.reserved.rival(t, own.rank).is_some_and(|other| {
                 !is_same(self.choice.candidates[other].place.carrier, own.place.carrier)
             })
         })

@@ -167,7 +167,7 @@ impl Rounds<'_, '_> {
     /// be alone?
     fn is_crowded(&self, own: &Candidate) -> bool {
         let is_met = |t: TetId| {
-            let before = self.reserved.holder(t).filter(|&other| other < own.rank as usize);
+            let before = self.reserved.rival(t, own.rank);
             before.is_some_and(|other| own.alone || self.reserved.is_alone(other))
         };
         self.reserved.has_alone() && self.has_in_closure(own, is_met)

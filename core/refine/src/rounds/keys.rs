@@ -102,9 +102,15 @@ impl Keys {
         self.stamps.set(t, look);
     }
 
+    /// Enters a tetrahedron that this look finds over its bounds.
+    pub fn enter(&mut self, t: TetId, key: u64) {
+        self.set(t, key);
+        self.bad.push(self.entry(t));
+    }
+
     /// Enters the key of the tetrahedron in slot `t`, whose stamp stays as it is.
     #[inline(always)]
-    pub fn set(&self, t: TetId, key: u64) {
+    pub(crate) fn set(&self, t: TetId, key: u64) {
         self.keys.set(t, key);
     }
 
@@ -121,22 +127,22 @@ impl Keys {
     }
 
     /// The entry of a tetrahedron that this look finds over its bounds.
-    pub fn entry(&self, t: TetId) -> Bad {
+    pub(crate) fn entry(&self, t: TetId) -> Bad {
         Bad::new(t, self.look)
     }
 
     /// Takes the list of entries, to which others are added before it is [put back](Self::put).
-    pub fn take(&mut self) -> Vec<Bad> {
+    pub(crate) fn take(&mut self) -> Vec<Bad> {
         std::mem::take(&mut self.bad)
     }
 
     /// Puts the list of entries back.
-    pub fn put(&mut self, bad: Vec<Bad>) {
+    pub(crate) fn put(&mut self, bad: Vec<Bad>) {
         self.bad = bad;
     }
 
     /// The number of entries, those of tetrahedra that are gone included.
-    pub(crate) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.bad.len()
     }
 

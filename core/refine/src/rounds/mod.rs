@@ -201,7 +201,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         own.state.encroachment = Default::default();
         own.record = Default::default();
         let (threads, expected) = (stats.round_threads.max(1), own.state.expected);
-        let in_waves = own.state.plc.facets.iter().any(|facet| facet.patch.is_some());
+        let in_waves = own.state.plc.has_patches();
         let angles = &own.state.angles;
         let in_groups = in_waves || angles.relates() || !angles.is_empty();
         let names = cfg!(debug_assertions).then(|| Names::of(&own.state));

@@ -73,6 +73,12 @@ impl Start {
         self.expected / workers.max(1) as usize / 4 * 5
     }
 
+    /// The points inserted so far.
+    pub fn made(&self) -> u64 {
+        let is_made = |carrier: &&Carrier| !matches!(carrier, Carrier::Corner(_));
+        self.carriers.iter().filter(is_made).count() as u64
+    }
+
     /// About `places` places inside the domain, at least one in each tetrahedron, with the numbers
     /// of tetrahedra that there will be around them, as far as these can be told: for the balance
     /// of work.

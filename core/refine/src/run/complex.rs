@@ -3,6 +3,7 @@
 
 use super::Run;
 use crate::RefineError;
+use crate::mesh::bounds::Bounds;
 use crate::mesh::item::{Item, Queues};
 use crate::mesh::state::Place;
 use crate::queue::split::Refinement;
@@ -19,17 +20,26 @@ impl<'a> Run<'a> {
     /// [`ComplexError`] if there are patches or small angles.
     pub(super) fn complex(&self) -> Result<Complex<'a>, ComplexError> {
         let own = &self.refinement;
+        Ok(Complex::of(&own.state, self.fit()?.clone(), own.floor))
+    }
+
+    /// The bounds of a run that others can go on with.
+    ///
+    /// # Errors
+    /// [`ComplexError`] if there are patches or small angles.
+    pub(super) fn fit(&self) -> Result<&Bounds<'a>, ComplexError> {
+        let own = &self.refinement;
         let no = |what| Err(ComplexError::Unsupported(what));
         let Some(bounds) = &own.bounds else {
             return no("some of the boundary could not be recovered");
         };
-        if own.state.plc.facets.iter().any(|facet| facet.patch.is_some()) {
+        if own.state.plc.has_patches() {
             return no("facets that are coplanar within a tolerance");
         }
         if own.state.angles.relates() || !own.state.angles.is_empty() {
             return no("features at small angles, or too near to each other");
         }
-        Ok(Complex::of(&own.state, bounds.clone(), own.floor))
+        Ok(bounds)
     }
 }
 

@@ -123,7 +123,7 @@ impl<'a> Refiner<'a> {
         }
         let patched = run.refinement.state.plc.has_patches();
         let usual = if patched { START_WITH_PATCHES } else { START };
-        let is_for_others = wanted > 0 && run.complex().is_ok();
+        let is_for_others = wanted > 0 && run.fit().is_ok();
         let start = match run.refinement.state.expected / TETS_PER_VERTEX {
             _ if !is_for_others => usual,
             0 => usual.max(wanted),
@@ -141,7 +141,8 @@ impl<'a> Delegated<'a> {
     /// # Errors
     /// [`ComplexError`] if there are patches or small angles, or nothing to do in rounds.
     pub fn complex(&self) -> Result<(Complex<'a>, Start), ComplexError> {
-        let complex = self.fit()?;
+        self.check_fit()?;
+        let complex = self.run.complex()?;
         let start = Start::of(&self.run.refinement.state, self.regions.clone(), self.run.most);
         Ok((complex, start))
     }
@@ -153,15 +154,15 @@ impl<'a> Delegated<'a> {
     /// As of [`Delegated::complex`], before anything is split; a run that stops while these are, or
     /// a broken invariant.
     pub fn complex_without_circles(&mut self) -> Result<(Complex<'a>, Start), ComplexError> {
-        self.fit()?;
+        self.check_fit()?;
         self.run.part_circles()?;
         self.complex()
     }
 
-    fn fit(&self) -> Result<Complex<'a>, ComplexError> {
+    fn check_fit(&self) -> Result<(), ComplexError> {
         match self.run.stop {
             Some(_) => Err(ComplexError::Unsupported("a run that has stopped before the rounds")),
-            None => self.run.complex(),
+            None => self.run.fit().map(|_| ()),
         }
     }
 

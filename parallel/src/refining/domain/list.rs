@@ -263,7 +263,7 @@ impl BadItems {
             key,
             of,
             attempt: 0,
-            block: mesh.block_of(tet),
+            block: mesh.inner.block_of(tet),
         });
     }
 
@@ -364,7 +364,7 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
                     key: TET,
                     of: 0,
                     attempt: 0,
-                    block: mesh.block_of(tet),
+                    block: mesh.inner.block_of(tet),
                 });
             }
         }

@@ -103,11 +103,6 @@ impl<'c> DomainMesh<'c> {
         }
     }
 
-    /// The block of a tetrahedron.
-    pub(super) fn block_of(&self, t: TetId) -> BlockId {
-        self.inner.block_of(t)
-    }
-
     /// Asks the processor to fetch a tetrahedron, and its region.
     pub(crate) fn prefetch(&self, t: TetId) {
         self.inner.tets().prefetch(t);

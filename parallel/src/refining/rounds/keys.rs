@@ -106,8 +106,7 @@ impl SharedKeys {
         self.make_room(mesh);
         self.own.begin_look();
         tets.iter().for_each(|&t| self.own.forget(t));
-        let mut bad = self.own.take();
-        let first = bad.len();
+        let first = self.own.count();
         let inside = tets.iter().copied().filter_map(|t| {
             let region = mesh.region(t);
             let is_inside = all.is_live(t) && all.vertices(t)[3] != INFINITE && region != 0;
@@ -119,12 +118,10 @@ impl SharedKeys {
             // One that is told of twice has a key already.
             if self.own.at(t) == 0 {
                 let places = places_of::<C>(mesh, all.vertices(t));
-                self.own.set(t, Rank::key_of_tet(places));
-                bad.push(self.own.entry(t));
+                self.own.enter(t, Rank::key_of_tet(places));
             }
         }
         self.thin = thin;
-        self.own.put(bad);
         if !self.blocks.is_empty() {
             for &t in tets.iter().filter(|&&t| all.is_live(t)) {
                 for n in all.neighbours(t).map(tet_of) {

@@ -64,9 +64,7 @@ use crate::threads::{Parallel, WorkerStats};
 use demands::Pending;
 use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
-use ltbw_refine::{
-    Asked, Carrier, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start,
-};
+use ltbw_refine::{Asked, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start};
 
 /// A worker that refines a domain in rounds.
 pub type RoundNode<'c, C> = Worker<DomainMesh<'c>, Rounds<C>, C>;
@@ -138,8 +136,7 @@ fn refine<'a, C: Rules>(
             Err(unfit) => return Ok((delegated.go_on()?, Err(unfit), resumed.figures, firsts)),
         };
         let (layout, config) = layout(start.points.len());
-        let is_made = |c: &&Carrier| !matches!(c, Carrier::Corner(_));
-        let before = start.carriers.iter().filter(is_made).count() as u64;
+        let before = start.made();
         let source = |me, mesh: &mut DomainMesh<'_>| {
             let place = (me, layout.workers, layout.blocks_per_worker);
             let mut source = Rounds::new(place, (before, start.most), mesh);
