@@ -2,7 +2,7 @@
 
 use crate::complex::carrier::Carrier;
 use crate::mesh::bounds::Bounds;
-use crate::mesh::item::{Item, Work};
+use crate::mesh::item::{Item, Queues};
 use crate::mesh::marks::{Word, edge_bit, face_bit};
 use crate::mesh::state::{Place, State};
 use crate::rules::verdict::Filling;
@@ -58,13 +58,13 @@ impl Inserted {
 
     /// Fills the open cavity of a place. Items that the mesh has lost, and new tetrahedra over
     /// their bounds, are put to the work.
-    pub(crate) fn fill<W: Work>(
+    pub(crate) fn fill(
         &mut self,
         open: OpenCavity<'_, State>,
         place: &Place,
         filling: &Filling,
         bounds: Option<&Bounds<'_>>,
-        work: &mut W,
+        work: &mut Queues,
     ) {
         open.end(|state| {
             let p = state.fill(place, self.next_number);
@@ -75,12 +75,12 @@ impl Inserted {
     }
 
     /// Fills the open cavity of a vertex that was put off.
-    pub(crate) fn fill_vertex<W: Work>(
+    pub(crate) fn fill_vertex(
         &mut self,
         open: OpenCavity<'_, State>,
         (v, carrier): (VertexId, Carrier),
         filling: &Filling,
-        work: &mut W,
+        work: &mut Queues,
     ) {
         open.end(|state| {
             state.fill_vertex(v);
@@ -89,13 +89,13 @@ impl Inserted {
     }
 
     /// Brings up to date what depends on the star of a new vertex.
-    fn follow<W: Work>(
+    fn follow(
         &mut self,
         state: &mut State,
         (p, carrier): (VertexId, Carrier),
         filling: &Filling,
         bounds: Option<&Bounds<'_>>,
-        work: &mut W,
+        work: &mut Queues,
     ) {
         state.relabel_walls(&filling.changes);
         self.created.clear();
@@ -117,7 +117,7 @@ impl Inserted {
 
     /// Puts the new tetrahedra that are over their bounds; those of a joint step are noted, and
     /// looked at when it is done.
-    fn put_created<W: Work>(&mut self, state: &mut State, bounds: &Bounds<'_>, work: &mut W) {
+    fn put_created(&mut self, state: &mut State, bounds: &Bounds<'_>, work: &mut Queues) {
         if let Some(journal) = &mut state.journal {
             let topology = state.mesh.topology();
             let created = self.created.iter().map(|&t| (t, topology.at(t).vertices()));
@@ -131,12 +131,12 @@ impl Inserted {
     }
 
     /// After the filling: old boundary items that are gone or lost, and the new ones.
-    fn update_boundary<W: Work>(
+    fn update_boundary(
         &self,
         state: &mut State,
         p: VertexId,
         filling: &Filling,
-        work: &mut W,
+        work: &mut Queues,
     ) {
         state.enter_filling(p, filling);
         let star: Vec<_> = self.created.iter().map(|&t| (t, state.vertices(t))).collect();

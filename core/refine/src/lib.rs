@@ -55,7 +55,7 @@ use ltbw_exact::points::PointError;
 pub use complex::background::{Background, BackgroundError};
 pub use complex::carrier::Carrier;
 pub use mesh::bounds::SizeField;
-pub use mesh::item::{Item, Queues, Work};
+pub use mesh::item::Item;
 pub use mesh::region::RegionInfo;
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats, Spot};
 pub use output::excuse::Excused;

@@ -183,7 +183,7 @@ pub struct RefineStats {
     pub rounds_with: [u64; 3],
     /// Cavities opened whole to choose the points of the rounds.
     pub searches: u64,
-    /// Cavities given up on the way, at the cavity of another point.
+    /// Points on the boundary that waited as another one of their round was in their way.
     pub barred: u64,
     /// Points of the widest round.
     pub widest: u64,

@@ -6,7 +6,7 @@ use crate::complex::measure::Shape;
 use crate::complex::patch::{flat, turn};
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
-use crate::mesh::item::Work;
+use crate::mesh::item::Queues;
 use crate::mesh::marks::face_bit;
 use crate::mesh::state::{FACE, State};
 use crate::queue::split::Step;
@@ -65,7 +65,7 @@ fn seeds_part_the_mesh_and_keep_every_patch_covered() {
     let refiner = Refiner::new().flat_tolerance(5e-7);
     let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
     let before: Vec<[VertexId; 3]> = run.refinement.state.subfaces.keys().copied().collect();
-    run.refinement.seed(u64::MAX, Heed::default(), &mut run.work, &mut ltbw_core::cavity::AdmitAll);
+    run.refinement.seed(u64::MAX, Heed::default(), &mut run.work);
     let state = &run.refinement.state;
     check_labels(state);
     let points = run.refinement.inserted.points;
@@ -182,7 +182,7 @@ fn every_transaction_keeps_every_patch_covered() {
     let (mut inserted, mut on_patches) = (0, 0);
     for _ in 0..20_000 {
         let Some(item) = work.next_boundary().or_else(|| work.next_tet()) else { break };
-        let step = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::AdmitAll);
+        let step = run.refinement.split(item, &mut work);
         if step == Step::Inserted {
             inserted += 1;
             let state = &run.refinement.state;

@@ -15,7 +15,7 @@ use crate::complex::patch::{DISSOLVED, Unfound};
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
 use crate::mesh::bounds::{Bounds, SizeField, check_limits, check_tolerance};
-use crate::mesh::item::{Item, Queues, Work};
+use crate::mesh::item::{Item, Queues};
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::{Lengths, State};
 use crate::outcome::{Reason, RefineStats};
@@ -26,7 +26,6 @@ use crate::rules::record::Refusal;
 use crate::table::Set;
 use ltbw_core::CancelToken;
 use ltbw_core::build::{Observer, Phase, Progress};
-use ltbw_core::cavity::AdmitAll;
 use ltbw_core::mesh::Vertex;
 use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
@@ -454,7 +453,7 @@ impl<'a> Run<'a> {
             self.refinement.record.refused.insert(item, Refusal::final_for(reason));
             return Ok(());
         }
-        match self.refinement.split(item, &mut self.work, &mut AdmitAll) {
+        match self.refinement.split(item, &mut self.work) {
             Step::Inserted | Step::Gone => {}
             Step::Deferred => stats.deferred += 1,
             Step::Refused(_) => stats.refused += 1,

@@ -12,14 +12,13 @@ mod sizes;
 use super::*;
 use crate::complex::carrier::{Carrier, corner_point};
 use crate::complex::measure::{diametral_side, equatorial_side};
-use crate::mesh::item::Work;
+use crate::mesh::item::Queues;
 use crate::mesh::marks::ENDS;
 use crate::mesh::state::{FACE, State};
 use crate::queue::split::Step;
 use crate::rules::walk::Way;
 use crate::table::{Set, edge};
 use ltbw_core::CancelToken;
-use ltbw_core::cavity::Role;
 use ltbw_core::invariants::check_all;
 use ltbw_core::mesh::Mesh;
 use ltbw_core::topology::{TetId, VertexId};
@@ -117,7 +116,7 @@ fn a_free_point_is_in_no_ball_that_was_empty() {
         let mut free = 0;
         for _ in 0..20_000 {
             let Some(item) = work.next_boundary().or_else(|| work.next_tet()) else { break };
-            let step = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::AdmitAll);
+            let step = run.refinement.split(item, &mut work);
             let state = &run.refinement.state;
             assert!(state.is_complete());
             if step != Step::Inserted || state.carriers.last() != Some(&Carrier::Free) {
@@ -339,44 +338,29 @@ fn fingerprint(mesh: &Mesh) -> (ltbw_core::topology::Topology, Vec<[u32; 4]>) {
 }
 
 #[test]
-fn transactions_are_idempotent_and_a_refusal_changes_nothing() {
+fn transactions_are_idempotent() {
     let model = model();
     let refiner = Refiner::new().max_volume(1e-3);
     let (mut run, _) = refiner.recovered(&model.domain, &model.lattice).expect("a mesh");
     let mut work = Queues::default();
     std::mem::swap(&mut work, &mut run.work);
-    let (mut inserted, mut refused, mut gone) = (0, 0, 0);
-    for round in 0..3000 {
+    let (mut deferred, mut inserted) = (0, 0);
+    for _ in 0..3000 {
         let Some(item) = work.next_boundary().or_else(|| work.next_tet()) else { break };
-        // Refused at the k-th question: the mesh is as before, the item still there.
         let before = fingerprint(&run.refinement.state.mesh);
-        let mut left = round % 23;
-        let mut admission = |_: TetId, _: Role| {
-            left -= 1;
-            left >= 0
-        };
-        match run.refinement.split(item, &mut work, &mut admission) {
-            Step::SetBack(_) => {
-                refused += 1;
-                assert_eq!(fingerprint(&run.refinement.state.mesh), before);
-                let again = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::AdmitAll);
-                assert_ne!(again, Step::Gone);
-                inserted += usize::from(again == Step::Inserted);
-                if again != Step::Inserted {
-                    continue;
-                }
-            }
-            Step::Inserted => inserted += 1,
-            _ => continue,
+        if run.refinement.split(item, &mut work) != Step::Inserted {
+            deferred += 1;
+            assert_eq!(fingerprint(&run.refinement.state.mesh), before);
+            continue;
         }
+        inserted += 1;
         // Split, it is gone: to split it again does nothing.
         let before = fingerprint(&run.refinement.state.mesh);
-        let again = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::AdmitAll);
+        let again = run.refinement.split(item, &mut work);
         assert_eq!(again, Step::Gone);
-        gone += 1;
         assert_eq!(fingerprint(&run.refinement.state.mesh), before);
     }
-    assert!(inserted > 100 && refused > 100 && gone == inserted, "{inserted} {refused} {gone}");
+    assert!(inserted > 100 && deferred > 10, "{inserted} {deferred}");
     check_marks(&run.refinement.state);
 }
 

@@ -35,6 +35,17 @@ pub enum Carrier {
     Free,
 }
 
+impl Carrier {
+    /// Are two new points of the boundary on one segment, or in one facet?
+    pub fn is_with(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Segment(s, _), Self::Segment(r, _)) => s == r,
+            (Self::Facet(f), Self::Facet(g)) => f == g,
+            _ => false,
+        }
+    }
+}
+
 /// A corner in fine steps.
 pub(crate) fn corner_point(a: &Grid) -> Point {
     a.map(|c| (c * UNIT) as f64)

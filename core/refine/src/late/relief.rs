@@ -21,7 +21,7 @@ use super::sliver::in_unit_ball;
 use crate::complex::carrier::{Carrier, Line, free_point};
 use crate::complex::measure::{Shape, circumcircle, has_small_dihedral};
 use crate::mesh::bounds::Bounds;
-use crate::mesh::item::{Item, Queues, Work};
+use crate::mesh::item::{Item, Queues};
 use crate::mesh::key::sorted;
 use crate::mesh::state::{FACE, Place, State};
 use crate::queue::split::Refinement;

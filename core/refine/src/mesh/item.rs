@@ -1,5 +1,4 @@
-//! The work to do: segments, subfaces and tetrahedra that have to be split, and where such
-//! items come from.
+//! The work to do: segments, subfaces and tetrahedra that have to be split.
 
 use ltbw_core::topology::{TetId, VertexId};
 use std::collections::VecDeque;
@@ -15,28 +14,15 @@ pub enum Item {
     Tet(TetId, [VertexId; 4]),
 }
 
-/// Where items come from and go to: the paper's list of bad elements.
-///
-/// A transaction takes nothing itself: it is given an item and puts what it finds. The sequential
-/// kernel drains one such list; a parallel one has a list per worker.
-pub trait Work {
-    /// Adds an item; `weight` says how far a tetrahedron is over its bounds.
-    fn put(&mut self, item: Item, weight: f64);
-    /// Adds an item that has to wait, and the boundary item that it waits for.
-    fn put_behind(&mut self, item: Item, first: Item);
-    /// The next boundary item: what others wait for, then segments before subfaces.
-    fn next_boundary(&mut self) -> Option<Item>;
-    /// The next tetrahedron. Asked for only when no boundary item is left.
-    fn next_tet(&mut self) -> Option<Item>;
-}
-
 /// Buckets of tetrahedra by weight: powers of two.
 const BUCKETS: usize = 24;
 
-/// First in, first out, in the order of priority; of tetrahedra, those farthest over their bounds
-/// first.
+/// The paper's list of bad elements before the first round, and in joint steps: first in, first
+/// out, in the order of priority; of tetrahedra, those farthest over their bounds first.
+///
+/// A transaction takes nothing itself: it is given an item and puts what it finds.
 #[derive(Debug)]
-pub struct Queues {
+pub(crate) struct Queues {
     /// Boundary items of which each waits for the next; the last one is split first.
     waiting: Vec<Item>,
     segments: VecDeque<[VertexId; 2]>,
@@ -79,10 +65,9 @@ impl Queues {
         let first = all.min_by_key(|&(_, &s)| place(Item::Subface(s))).map(|own| own.0);
         first.and_then(|k| subfaces.swap_remove_back(k)).map(Item::Subface)
     }
-}
 
-impl Work for Queues {
-    fn put(&mut self, item: Item, weight: f64) {
+    /// Adds an item; `weight` says how far a tetrahedron is over its bounds.
+    pub(crate) fn put(&mut self, item: Item, weight: f64) {
         match item {
             Item::Segment(s) => self.segments.push_back(s),
             Item::Subface(s) => self.subfaces.push_back(s),
@@ -94,7 +79,8 @@ impl Work for Queues {
         }
     }
 
-    fn put_behind(&mut self, item: Item, first: Item) {
+    /// Adds an item that has to wait, and the boundary item that it waits for.
+    pub(crate) fn put_behind(&mut self, item: Item, first: Item) {
         match item {
             Item::Segment(_) | Item::Subface(_) => self.waiting.push(item),
             Item::Tet(t, v) => self.tets[self.highest].push_front((t, v)),
@@ -102,14 +88,16 @@ impl Work for Queues {
         self.waiting.push(first);
     }
 
-    fn next_boundary(&mut self) -> Option<Item> {
+    /// The next boundary item: what others wait for, then segments before subfaces.
+    pub(crate) fn next_boundary(&mut self) -> Option<Item> {
         let waiting = self.waiting.pop();
         let segment = || self.segments.pop_front().map(Item::Segment);
         let subface = || self.subfaces.pop_front().map(Item::Subface);
         waiting.or_else(segment).or_else(subface)
     }
 
-    fn next_tet(&mut self) -> Option<Item> {
+    /// The next tetrahedron, when no boundary item is left.
+    pub(crate) fn next_tet(&mut self) -> Option<Item> {
         loop {
             if let Some((t, v)) = self.tets[self.highest].pop_front() {
                 return Some(Item::Tet(t, v));

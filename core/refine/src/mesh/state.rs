@@ -5,7 +5,7 @@
 //! the new point, so an item that the mesh has lost never comes back: it has to be split.
 
 use super::encroachment::EncroachmentIndex;
-use super::item::{Item, Work};
+use super::item::{Item, Queues};
 use super::journal::Journal;
 use super::marks::Marks;
 use super::survey::Survey;
@@ -251,7 +251,7 @@ impl State {
     }
 
     /// Notes that the mesh does not have a boundary item, which has to be split.
-    pub(crate) fn miss<W: Work>(&mut self, item: Item, work: &mut W) {
+    pub(crate) fn miss(&mut self, item: Item, work: &mut Queues) {
         let new = match item {
             Item::Segment(s) => self.missing_segments.insert(s),
             Item::Subface(s) => self.missing.insert(s),

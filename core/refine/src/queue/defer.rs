@@ -1,11 +1,10 @@
 //! Deferral: an item waits until another one is split, or both are split jointly.
 
 use super::split::{Refinement, Step};
-use crate::mesh::item::{Item, Work};
+use crate::mesh::item::{Item, Queues};
 use crate::mesh::limit::Limit;
 use crate::outcome::Reason;
 use crate::rules::record::Refusal;
-use ltbw_core::cavity::Admission;
 
 impl Refinement<'_> {
     /// Puts one of the items `all` before `item`, which waits for it. Near small angles, splitting
@@ -13,13 +12,12 @@ impl Refinement<'_> {
     ///
     /// If all were refused, so is this one, for the same reason, unless it allows shorter edges
     /// than before. Items that wait for each other in a circle are split jointly.
-    pub(crate) fn defer<W: Work, A: Admission>(
+    pub(crate) fn defer(
         &mut self,
         item: Item,
         all: Vec<Item>,
         limit: Option<Limit>,
-        work: &mut W,
-        admission: &mut A,
+        work: &mut Queues,
     ) -> Step {
         let mut reason = match item {
             Item::Tet(_, v) => self.state.reason_near(v),
@@ -43,7 +41,7 @@ impl Refinement<'_> {
                 if let Some(limit) = limit.filter(|limit| limit.along.is_some()) {
                     self.record.limits.entry(first).or_insert(limit);
                 }
-                match self.split_jointly(first, work, admission) {
+                match self.split_jointly(first, work) {
                     Step::Refused(why) => {
                         let why = match why {
                             Reason::Interlocked { .. } => self.state.reason_in_circle(first),

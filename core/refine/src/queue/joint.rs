@@ -7,13 +7,12 @@
 //! of it is taken back, and the item that asked for it is refused.
 
 use super::split::{Refinement, Step};
-use crate::mesh::item::{Item, Queues, Work};
+use crate::mesh::item::{Item, Queues};
 use crate::mesh::journal::Journal;
 use crate::mesh::limit::Limit;
 use crate::mesh::state::State;
 use crate::outcome::Reason;
 use crate::rules::record::TIP_SHARE;
-use ltbw_core::cavity::Admission;
 use ltbw_core::topology::TetId;
 
 /// The most transactions of a joint step, and of one whose subfaces are split opposite to its
@@ -24,15 +23,10 @@ impl Refinement<'_> {
     /// Splits `item` and all that is lost by it; the mesh is as before if that fails. If it
     /// cannot be done with subfaces split near their centres it is tried once more, with their
     /// points opposite to those that took them.
-    pub(crate) fn split_jointly<W: Work, A: Admission>(
-        &mut self,
-        item: Item,
-        work: &mut W,
-        admission: &mut A,
-    ) -> Step {
+    pub(crate) fn split_jointly(&mut self, item: Item, work: &mut Queues) -> Step {
         let mut step = Step::Gone;
         for is_opposite in [false, true] {
-            step = self.step_jointly(item, is_opposite, work, admission);
+            step = self.step_jointly(item, is_opposite, work);
             if !matches!(step, Step::Refused(Reason::Interlocked { .. })) {
                 break;
             }
@@ -40,13 +34,7 @@ impl Refinement<'_> {
         step
     }
 
-    fn step_jointly<W: Work, A: Admission>(
-        &mut self,
-        item: Item,
-        is_opposite: bool,
-        work: &mut W,
-        admission: &mut A,
-    ) -> Step {
+    fn step_jointly(&mut self, item: Item, is_opposite: bool, work: &mut Queues) -> Step {
         let limit = self.record.limits.get(&item).map(|limit| limit.times(TIP_SHARE));
         self.state.journal = Some(Journal { limit, is_opposite, ..Journal::default() });
         let before = self.inserted.points;
@@ -64,7 +52,7 @@ impl Refinement<'_> {
                 is_drained = true;
                 break;
             };
-            match self.rule(next, &mut own, admission) {
+            match self.rule(next, &mut own) {
                 Step::Inserted | Step::Gone => self.state.encroachment.remove(next),
                 Step::Deferred => {}
                 step @ (Step::Refused(_) | Step::SetBack(_)) => {
@@ -143,14 +131,13 @@ mod tests {
     use super::MOST;
     use crate::Refiner;
     use crate::complex::carrier::Carrier;
-    use crate::mesh::item::{Item, Queues, Work};
+    use crate::mesh::item::{Item, Queues};
     use crate::mesh::limit::Limit;
     use crate::mesh::marks::Word;
     use crate::mesh::state::State;
     use crate::outcome::Reason;
     use crate::queue::split::Step;
     use crate::run::Run;
-    use ltbw_core::cavity::AdmitAll;
     use ltbw_core::invariants::check_all;
     use ltbw_core::topology::{TetId, VertexId};
     use ltbw_domain::{Domain, Facet, PrepareOptions, Prepared};
@@ -197,7 +184,7 @@ mod tests {
     fn step(run: &mut Run<'_>, item: Item, is_opposite: bool, most: usize) -> Step {
         let own = &mut run.refinement;
         own.joint_most = most;
-        own.step_jointly(item, is_opposite, &mut Queues::default(), &mut AdmitAll)
+        own.step_jointly(item, is_opposite, &mut Queues::default())
     }
 
     fn items(state: &State) -> Vec<Item> {

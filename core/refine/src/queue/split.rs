@@ -9,7 +9,7 @@ use crate::complex::carrier::Carrier;
 use crate::complex::measure::Shape;
 use crate::fill::Inserted;
 use crate::mesh::bounds::Bounds;
-use crate::mesh::item::{Item, Work};
+use crate::mesh::item::{Item, Queues};
 use crate::mesh::key::{order_key, sorted};
 use crate::mesh::state::{Place, State};
 use crate::outcome::Reason;
@@ -18,7 +18,7 @@ use crate::rules::aim::{ATTEMPTS, Aim, Aims, Circle};
 use crate::rules::record::{Record, Refusal};
 use crate::rules::verdict::{Judge, Verdict};
 use crate::rules::walk::Way;
-use ltbw_core::cavity::{Admission, Setback};
+use ltbw_core::cavity::{AdmitAll, Setback};
 use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::Point;
@@ -34,7 +34,7 @@ pub(crate) enum Step {
     Deferred,
     /// The item cannot be split.
     Refused(Reason),
-    /// The admission refused a tetrahedron, or the mesh is full.
+    /// The mesh is full.
     SetBack(Setback),
 }
 
@@ -102,13 +102,8 @@ impl<'a> Refinement<'a> {
     }
 
     /// Carries out the rule for an item.
-    pub(crate) fn split<W: Work, A: Admission>(
-        &mut self,
-        item: Item,
-        work: &mut W,
-        admission: &mut A,
-    ) -> Step {
-        let step = self.rule(item, work, admission);
+    pub(crate) fn split(&mut self, item: Item, work: &mut Queues) -> Step {
+        let step = self.rule(item, work);
         match step {
             Step::Refused(reason) => {
                 let limit = self.record.limits.remove(&item);
@@ -133,16 +128,11 @@ impl<'a> Refinement<'a> {
     }
 
     /// The rule for an item, whatever came of it before.
-    pub(crate) fn rule<W: Work, A: Admission>(
-        &mut self,
-        item: Item,
-        work: &mut W,
-        admission: &mut A,
-    ) -> Step {
+    pub(crate) fn rule(&mut self, item: Item, work: &mut Queues) -> Step {
         match item {
-            Item::Segment(s) => self.split_segment(s, work, admission),
-            Item::Subface(s) => self.split_subface(s, work, admission),
-            Item::Tet(t, v) => self.split_tet(t, v, work, admission),
+            Item::Segment(s) => self.split_segment(s, work),
+            Item::Subface(s) => self.split_subface(s, work),
+            Item::Tet(t, v) => self.split_tet(t, v, work),
         }
     }
 
@@ -154,12 +144,7 @@ impl<'a> Refinement<'a> {
     }
 
     /// Rule 1: a subsegment is split near its middle.
-    fn split_segment<W: Work, A: Admission>(
-        &mut self,
-        ends: [VertexId; 2],
-        work: &mut W,
-        admission: &mut A,
-    ) -> Step {
+    fn split_segment(&mut self, ends: [VertexId; 2], work: &mut Queues) -> Step {
         let item = Item::Segment(ends);
         let Some(&s) = self.state.segments.get(&ends) else { return Step::Gone };
         if let Some(reason) = self.bars(&item) {
@@ -169,11 +154,11 @@ impl<'a> Refinement<'a> {
             return Step::Refused(Reason::Floor);
         };
         let place = Place { p, carrier, from: self.state.mesh.hint() };
-        match self.propose(&place, work, admission, |judge| judge.on_segment(ends, s, &place)) {
+        match self.propose(&place, work, |judge| judge.on_segment(ends, s, &place)) {
             Proposal::Inserted => Step::Inserted,
             Proposal::Deferred(first) => {
                 let limit = self.record.limits.get(&item).copied();
-                self.defer(item, first, limit, work, admission)
+                self.defer(item, first, limit, work)
             }
             Proposal::Refused(reason) => Step::Refused(reason),
             Proposal::Useless => Step::Refused(self.state.unserved(item)),
@@ -182,12 +167,7 @@ impl<'a> Refinement<'a> {
     }
 
     /// Rule 2: a subface is split near its circumcentre, unless that encroaches a subsegment.
-    fn split_subface<W: Work, A: Admission>(
-        &mut self,
-        corners: [VertexId; 3],
-        work: &mut W,
-        admission: &mut A,
-    ) -> Step {
+    fn split_subface(&mut self, corners: [VertexId; 3], work: &mut Queues) -> Step {
         let item = Item::Subface(corners);
         let Some(&f) = self.state.subfaces.get(&corners) else { return Step::Gone };
         if let Some(reason) = self.bars(&item) {
@@ -203,7 +183,7 @@ impl<'a> Refinement<'a> {
             return Step::Refused(Reason::Floor);
         }
         let across = self.state.turned(corners, f).or_else(|| self.state.opposite(corners, f));
-        if let Some(step) = self.split_subface_at(corners, f, across, work, admission) {
+        if let Some(step) = self.split_subface_at(corners, f, across, work) {
             return step;
         }
         for attempt in 0..ATTEMPTS {
@@ -211,16 +191,16 @@ impl<'a> Refinement<'a> {
             let Aim::At { point: p, carrier, may: is_on } = aim else { continue };
             let place = Place { p, carrier, from: self.state.mesh.hint() };
             let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, is_on);
-            match self.propose(&place, work, admission, verdict) {
+            match self.propose(&place, work, verdict) {
                 Proposal::Inserted => return Step::Inserted,
                 Proposal::Deferred(first) => {
                     let arc = self.bounds.is_none().then(|| self.state.arc(corners, f, &first));
                     let arc = arc.flatten();
-                    if let Some(step) = self.split_subface_at(corners, f, arc, work, admission) {
+                    if let Some(step) = self.split_subface_at(corners, f, arc, work) {
                         return step;
                     }
                     let limit = self.record.limits.get(&item).copied();
-                    return self.defer(item, first, limit, work, admission);
+                    return self.defer(item, first, limit, work);
                 }
                 Proposal::Refused(reason) => return Step::Refused(reason),
                 Proposal::Useless => {}
@@ -232,17 +212,16 @@ impl<'a> Refinement<'a> {
     }
 
     /// Splits a subface at a place other than its circumcentre, if there is one and it serves.
-    fn split_subface_at<W: Work, A: Admission>(
+    fn split_subface_at(
         &mut self,
         corners: [VertexId; 3],
         f: u32,
         place: Option<Place>,
-        work: &mut W,
-        admission: &mut A,
+        work: &mut Queues,
     ) -> Option<Step> {
         let place = place?;
         let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
-        match self.propose(&place, work, admission, verdict) {
+        match self.propose(&place, work, verdict) {
             Proposal::Inserted => Some(Step::Inserted),
             Proposal::SetBack(setback) => Some(Step::SetBack(setback)),
             _ => None,
@@ -251,14 +230,9 @@ impl<'a> Refinement<'a> {
 
     /// Rule 2 for a triangle that a patch lacks, while the boundary is recovered: inserts a point
     /// near its centre, or splits the subsegment that is in the way.
-    pub(crate) fn fill_hole<W: Work, A: Admission>(
-        &mut self,
-        hole: &Hole,
-        work: &mut W,
-        admission: &mut A,
-    ) -> Step {
+    pub(crate) fn fill_hole(&mut self, hole: &Hole, work: &mut Queues) -> Step {
         if let Some(segment) = hole.between {
-            return self.split(Item::Segment(segment), work, admission);
+            return self.split(Item::Segment(segment), work);
         }
         let corners = hole.corners.map(|v| self.state.at(v));
         let circle = Circle { centre: hole.centre, square: hole.square() };
@@ -270,11 +244,11 @@ impl<'a> Refinement<'a> {
                     Aim::Skip | Aim::Exhausted => continue,
                 };
             let place = Place { p, carrier, from: self.state.mesh.hint() };
-            match self.propose(&place, work, admission, |judge| judge.on_hole(is_on)) {
+            match self.propose(&place, work, |judge| judge.on_hole(is_on)) {
                 Proposal::Inserted => return Step::Inserted,
                 Proposal::Deferred(first) => {
                     let Some(&first) = first.first() else { continue };
-                    return self.split(first, work, admission);
+                    return self.split(first, work);
                 }
                 Proposal::Refused(reason) => return Step::Refused(reason),
                 Proposal::Useless => {}
@@ -286,13 +260,7 @@ impl<'a> Refinement<'a> {
 
     /// Rule 3: a tetrahedron is split near its circumcentre, unless a subface is on the way there,
     /// or the point encroaches a subsegment or subface or would take one out of the mesh.
-    fn split_tet<W: Work, A: Admission>(
-        &mut self,
-        t: TetId,
-        v: [VertexId; 4],
-        work: &mut W,
-        admission: &mut A,
-    ) -> Step {
+    fn split_tet(&mut self, t: TetId, v: [VertexId; 4], work: &mut Queues) -> Step {
         if !self.state.is_live(t, v) {
             return Step::Gone;
         }
@@ -316,16 +284,16 @@ impl<'a> Refinement<'a> {
                 Way::Arrived(from) => from,
                 Way::Blocked(subface) => {
                     let limit = limit(self);
-                    return self.defer(item, vec![Item::Subface(subface)], limit, work, admission);
+                    return self.defer(item, vec![Item::Subface(subface)], limit, work);
                 }
                 Way::Outside => continue,
             };
             let place = Place { p, carrier, from };
-            match self.propose(&place, work, admission, |judge| judge.on_tet(t, &place)) {
+            match self.propose(&place, work, |judge| judge.on_tet(t, &place)) {
                 Proposal::Inserted => return Step::Inserted,
                 Proposal::Deferred(first) => {
                     let limit = limit(self);
-                    return self.defer(item, first, limit, work, admission);
+                    return self.defer(item, first, limit, work);
                 }
                 Proposal::Refused(reason) => return Step::Refused(reason),
                 Proposal::Useless => {}
@@ -338,18 +306,17 @@ impl<'a> Refinement<'a> {
             return Step::Refused(self.state.reason_near(v));
         }
         let limit = limit(self);
-        self.defer(item, sides, limit, work, admission)
+        self.defer(item, sides, limit, work)
     }
 
     /// Opens the cavity of a place and fills it if that is the verdict; else all is as before.
-    pub(crate) fn propose<W: Work, A: Admission>(
+    pub(crate) fn propose(
         &mut self,
         place: &Place,
-        work: &mut W,
-        admission: &mut A,
+        work: &mut Queues,
         verdict: impl FnOnce(Judge<'_>) -> Verdict,
     ) -> Proposal {
-        let open = match self.state.begin_and_look(place, admission) {
+        let open = match self.state.begin_and_look(place, &mut AdmitAll) {
             Ok(open) => open,
             // The point fell together with a vertex.
             Err(At::Vertex(_)) => return Proposal::Useless,

@@ -13,6 +13,7 @@ use crate::mesh::survey::Survey;
 use crate::rules::aim::ATTEMPTS;
 use crate::rules::bounded::InMesh;
 use crate::rules::verdict::{Filling, Judge, Verdict};
+use crate::rules::watch::Watch;
 use ltbw_core::PredicateStats;
 use ltbw_core::search::Search;
 use ltbw_core::topology::TetId;
@@ -47,8 +48,7 @@ struct Reserves {
     cavity: Range<usize>,
     /// May the point be inserted, if no other one is in its way?
     fits: bool,
-    /// Is anything of its cavity marked?
-    is_marked: bool,
+    watch: Option<Watch<TetId>>,
 }
 
 /// The findings of some probes, in their order.
@@ -154,7 +154,7 @@ impl Rounds<'_, '_> {
                 place,
                 cavity: start..batch.cavities.len(),
                 fits,
-                is_marked: !survey.is_bare(),
+                watch: survey.watch_in_tet(&closure),
             }));
             return;
         }
@@ -170,11 +170,10 @@ impl Rounds<'_, '_> {
                     continue;
                 }
             };
-            let Reserves { item, rank, place, cavity, fits, is_marked } = own;
+            let Reserves { item, rank, place, cavity, fits, watch } = own;
             let cavity = self.choice.add_cavity(&batch.cavities[cavity]);
             let filling = Filling::default();
-            let own =
-                Candidate { item, rank, fits, is_marked, alone: false, place, cavity, filling };
+            let own = Candidate { item, rank, fits, watch, alone: false, place, cavity, filling };
             self.choice.candidates.push(own);
         }
         self.demands.conclusions.extend(batch.conclusions);

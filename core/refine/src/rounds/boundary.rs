@@ -4,7 +4,6 @@
 //! turn, with the cavity open, and one waits for those that were taken before.
 
 use super::batch::Prober;
-use super::conflict::is_same;
 use super::probe::Probe;
 use super::{CHECK_EVERY, Candidate, Look, Rounds};
 use crate::mesh::item::Item;
@@ -13,6 +12,7 @@ use crate::outcome::Reason;
 use crate::rules::aim::{ATTEMPTS, Aim};
 use crate::rules::bounded::InMesh;
 use crate::rules::verdict::{Judge, Verdict};
+use crate::rules::watch::Watch;
 use ltbw_core::PredicateStats;
 use ltbw_core::topology::{INFINITE, TetId};
 use rayon::prelude::*;
@@ -48,7 +48,7 @@ struct Found {
     place: Place,
     /// The cavity in the list of the batch.
     cavity: Range<usize>,
-    is_marked: bool,
+    watch: Watch<TetId>,
     verdict: Verdict,
 }
 
@@ -110,20 +110,13 @@ impl Rounds<'_, '_> {
             }
         }
         let (this, count) = (&*self, self.choice.candidates.len());
-        let judge = |k: usize| {
-            let has_way = !this.is_barred(&this.choice.candidates[k]);
-            (has_way, has_way && this.survives(k))
+        let survives = |k: &usize| this.survives(*k);
+        let chosen: Vec<usize> = match this.threads > 1 && count >= MANY {
+            true => (0..count).into_par_iter().filter(survives).collect(),
+            false => (0..count).filter(survives).collect(),
         };
-        let judged: Vec<(bool, bool)> = match this.threads > 1 && count >= MANY {
-            true => (0..count).into_par_iter().map(judge).collect(),
-            false => (0..count).map(judge).collect(),
-        };
-        for (k, (has_way, stays)) in judged.into_iter().enumerate() {
-            self.stats.barred += u64::from(!has_way);
-            if stays {
-                self.choice.chosen.push(k);
-            }
-        }
+        self.stats.barred += (count - chosen.len()) as u64;
+        self.choice.chosen.extend(chosen);
         false
     }
 
@@ -184,9 +177,9 @@ impl Rounds<'_, '_> {
             let start = list.len();
             list.extend(search.tets());
             let cavity = start..list.len();
+            let watch = survey.watch_at_item(&closure, Some(item), place.carrier);
             let place = Place { from, ..place };
-            let is_marked = !survey.is_bare();
-            return Looked::Found(Found { place, cavity, is_marked, verdict });
+            return Looked::Found(Found { place, cavity, watch, verdict });
         }
         Looked::Refused(state.unserved(item))
     }
@@ -201,14 +194,14 @@ impl Rounds<'_, '_> {
             Looked::Refused(reason) => return self.refuse(item, reason),
             Looked::Found(found) => found,
         };
-        let Found { place, cavity, is_marked, verdict } = found;
+        let Found { place, cavity, watch, verdict } = found;
         self.stats.searches += 1;
         match verdict {
             Verdict::Fill(filling) => {
                 let cavity = self.choice.add_cavity(&list[cavity]);
                 let rank = self.choice.candidates.len() as u32;
-                let (fits, alone) = (true, false);
-                let own = Candidate { item, rank, fits, is_marked, alone, place, cavity, filling };
+                let (fits, alone, watch) = (true, false, Some(watch));
+                let own = Candidate { item, rank, fits, watch, alone, place, cavity, filling };
                 self.choice.candidates.push(own);
                 self.reserve_last();
             }
@@ -216,16 +209,6 @@ impl Rounds<'_, '_> {
             Verdict::Refuse(reason) => self.refuse(item, reason),
             Verdict::Useless | Verdict::AtPatch => {}
         }
-    }
-
-    /// Rule (d): has a candidate's closure slots in the cavity of one before it, other than one of
-    /// the same segment or facet? Only the foremost of a slot counts: those behind that one wait.
-    fn is_barred(&self, own: &Candidate) -> bool {
-        self.has_in_closure(own, |t| {
-            self.reserved.rival(t, own.rank).is_some_and(|other| {
-                !is_same(self.choice.candidates[other].place.carrier, own.place.carrier)
-            })
-        })
     }
 
     /// Probes a boundary item with the cavity of its point open, and takes it if it may be split.

@@ -11,6 +11,7 @@
 
 use super::{CHECK_EVERY, Candidate, Class, Look, Rounds};
 use crate::mesh::item::Item;
+use crate::rules::choice::Rival;
 use ltbw_core::topology::TetId;
 use rayon::prelude::*;
 use std::cmp::Reverse;
@@ -179,26 +180,27 @@ impl Rounds<'_, '_> {
         cavity.any(|&t| is(t) || self.neighbours(t).into_iter().any(&is))
     }
 
-    /// Has the closure of a tetrahedron's candidate slots in the cavities of boundary items?
-    fn is_beside_boundary(&self, own: &Candidate) -> bool {
-        let boundary = self.reserved.of_boundary();
-        let has = |t: TetId| self.reserved.has_rival(t, boundary.end);
-        !boundary.is_empty() && matches!(own.item, Item::Tet(..)) && self.has_in_closure(own, has)
+    /// The rival that a candidate has at slot `t`.
+    fn rival(&self, own: &Candidate, t: TetId) -> Rival {
+        let Some(other) = self.reserved.rival(t, own.rank) else { return Rival::default() };
+        // Boundary items have the first ranks, in the order of the candidates.
+        let is_boundary = other < self.reserved.of_boundary().end as usize;
+        let carrier = || self.choice.candidates[other].place.carrier;
+        let is_apart = is_boundary && !carrier().is_with(own.place.carrier);
+        Rival { is_there: true, is_boundary, is_apart }
     }
 
     /// Is a candidate killed by none before it, and loses no item together with others?
     pub(super) fn survives(&self, k: usize) -> bool {
         let own = &self.choice.candidates[k];
-        let is_killed = match own.item {
-            Item::Subface(s) => {
-                self.tets_at(own, s).iter().all(|&t| self.reserved.has_rival(t, own.rank))
-            }
-            Item::Tet(t, _) => self.reserved.has_rival(t, own.rank),
-            Item::Segment(_) => false,
-        };
-        // Only what is marked can be lost.
-        let is_lost = |own: &Candidate| self.loses_jointly(own) || self.is_beside_boundary(own);
-        !(is_killed || own.is_marked && is_lost(own) || self.is_crowded(own))
+        let is_killed = matches!(own.item, Item::Tet(t, _) if self.reserved.has_rival(t, own.rank));
+        // Without candidates of the boundary it does not matter who else is near.
+        let has_boundary = !self.reserved.of_boundary().is_empty();
+        let cavity = if has_boundary { self.choice.cavity_of(own) } else { &[] };
+        let closure = cavity.iter().flat_map(|&t| self.neighbours(t).into_iter().chain([t]));
+        let rival = |t: TetId| self.rival(own, t);
+        let waits = || own.watch.as_ref().is_some_and(|watch| watch.yields(closure, rival));
+        !(is_killed || waits() || self.is_crowded(own))
     }
 }
 

@@ -9,7 +9,6 @@ mod batch;
 mod block;
 mod boundary;
 mod choose;
-mod conflict;
 mod demands;
 mod foremost;
 mod insert;
@@ -44,11 +43,11 @@ use crate::outcome::{Reason, RefineStats};
 use crate::queue::split::{Refinement, Step};
 use crate::rules::record::Refusal;
 use crate::rules::verdict::Filling;
+use crate::rules::watch::Watch;
 use block::Blocks;
 use demands::{Asked, Conclusion, Demands, Pending};
 use foremost::Front;
 use late::Late;
-use ltbw_core::cavity::AdmitAll;
 use ltbw_core::topology::TetId;
 use probe::Probe;
 use reserved::Reserved;
@@ -100,8 +99,9 @@ struct Candidate {
     rank: u32,
     /// May the point be inserted, if no other one is in its way?
     fits: bool,
-    /// Is anything of its cavity marked?
-    is_marked: bool,
+    /// The tetrahedra at which those before it make it wait; none if nothing of its cavity is on
+    /// the boundary.
+    watch: Option<Watch<TetId>>,
     /// Does it have to be the foremost in its whole closure, and to be left alone there?
     alone: bool,
     place: Place,
@@ -336,7 +336,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         let mut work = Queues::default();
         for item in self.demands.circles(&self.own.state) {
             let limit = self.own.record.limits.get(&item).copied();
-            match self.own.split_jointly(item, &mut work, &mut AdmitAll) {
+            match self.own.split_jointly(item, &mut work) {
                 Step::Refused(reason) => {
                     self.own.record.refused.insert(item, Refusal { reason, limit });
                 }

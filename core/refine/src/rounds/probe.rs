@@ -3,7 +3,6 @@
 //! refused, so that the slots are a function of the mesh; of boundary items only those that are
 //! taken write theirs.
 
-use super::conflict::is_same;
 use super::foremost::Foremost;
 use super::{Asked, Candidate, Choice, Conclusion, Pending, Rounds};
 use crate::complex::carrier::Carrier;
@@ -13,6 +12,7 @@ use crate::mesh::limit::Limit;
 use crate::mesh::state::Place;
 use crate::outcome::Reason;
 use crate::rules::aim::{ATTEMPTS, Aim};
+use crate::rules::bounded::InMesh;
 use crate::rules::verdict::{Filling, Judge, Verdict};
 use crate::rules::walk::Way;
 use ltbw_core::cavity::{AdmitAll, Role};
@@ -152,7 +152,7 @@ impl Rounds<'_, '_> {
             // Rule (d): boundary points keep apart.
             false => state.begin_and_look(&place, &mut |t: TetId, _: Role| {
                 let before = reserved.holder(t).map(|other| candidates[other].place.carrier);
-                before.is_none_or(|carrier| is_same(carrier, place.carrier))
+                before.is_none_or(|carrier| carrier.is_with(place.carrier))
             }),
         };
         let open = match open {
@@ -175,11 +175,16 @@ impl Rounds<'_, '_> {
         cavities.extend(open.tets());
         let place = Place { from: cavities[first], ..place };
         let cavity = first..cavities.len();
-        let (fits, is_marked) = (matches!(probe, Probe::Fits), !open.owner().survey.is_bare());
+        let (fits, state) = (matches!(probe, Probe::Fits), open.owner());
+        let (closure, survey) = (InMesh::open(state), &state.survey);
+        let watch = match is_free {
+            true => survey.watch_in_tet(&closure),
+            false => Some(survey.watch_at_item(&closure, Some(item), place.carrier)),
+        };
         // Labels at a patch are a function of the mesh as long as one point at a time changes it.
-        let is_patch = |f: u32| open.owner().is_patch(f);
+        let is_patch = |f: u32| state.is_patch(f);
         let alone = filling.changes.iter().any(|change| is_patch(change.facet));
-        candidates.push(Candidate { item, rank, fits, is_marked, alone, place, cavity, filling });
+        candidates.push(Candidate { item, rank, fits, watch, alone, place, cavity, filling });
         probe
     }
 

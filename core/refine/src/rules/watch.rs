@@ -1,6 +1,6 @@
-//! Joint kills, by values: the tetrahedra at which candidates before a point make it wait, so that
-//! two points of a round, each of which takes nothing out of the mesh, do not do so together
-//! (rules (b), (c) and (d) of `docs/rounds.md`).
+//! Joint kills: the tetrahedra at which candidates before a point make it wait, so that two points
+//! of a round, each of which takes nothing out of the mesh, do not do so together (rules (b), (c)
+//! and (d) of `docs/rounds.md`).
 
 use super::bounded::Bounded;
 use super::choice::Rival;

@@ -11,7 +11,6 @@ use crate::rules::aim::{Aim, Aims};
 use crate::rules::complex::{Complex, ComplexError};
 use crate::rules::verdict::Verdict;
 use crate::table::{Map, Set};
-use ltbw_core::cavity::AdmitAll;
 
 impl<'a> Run<'a> {
     /// The boundary and the bounds as values.
@@ -53,7 +52,7 @@ impl Run<'_> {
         for _ in 0..LOOKS {
             let before = self.refinement.state.mesh.num_vertices();
             for item in self.refinement.circles(&mut self.work) {
-                self.refinement.split(item, &mut self.work, &mut AdmitAll);
+                self.refinement.split(item, &mut self.work);
                 self.refine(0)?;
             }
             if self.refinement.state.mesh.num_vertices() == before {
@@ -102,7 +101,7 @@ impl Refinement<'_> {
         let Some(Aim::At { point: p, carrier, .. }) = aim else { return Vec::new() };
         let place = Place { p, carrier, from };
         let mut found = Vec::new();
-        self.propose(&place, work, &mut AdmitAll, |judge| {
+        self.propose(&place, work, |judge| {
             if let Verdict::Defer(first) = judge.on_boundary(item, &place, true) {
                 found = first;
             }

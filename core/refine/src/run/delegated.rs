@@ -16,7 +16,6 @@ use crate::rules::complex::{Complex, ComplexError, Start};
 use crate::table::{Map, edge, triangle};
 use crate::{RefineError, Refined};
 use ltbw_core::build::Phase;
-use ltbw_core::cavity::AdmitAll;
 use ltbw_core::mesh::{Mesh, Vertex};
 use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId};
 use ltbw_domain::{Domain, Lattice};
@@ -116,7 +115,7 @@ impl<'a> Refiner<'a> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
         let clock = Instant::now();
         let heed = run.heed();
-        run.refinement.seed(run.most, heed, &mut run.work, &mut AdmitAll);
+        run.refinement.seed(run.most, heed, &mut run.work);
         // A tetrahedron that is over its bounds then is put off, not refused.
         if heed.is_cancelled() {
             run.look()?;

@@ -1,13 +1,11 @@
 //! Recovery of the boundary, one item after the other: segments, facets, then patches.
 
 use crate::RefineError;
-use crate::mesh::item::Work;
 use crate::mesh::tiles::Found;
 use crate::patches::layer::Hole;
 use crate::queue::split::Step;
 use crate::run::Run;
 use crate::table::Set;
-use ltbw_core::cavity::AdmitAll;
 use ltbw_core::topology::VertexId;
 
 /// The most rounds in which patches are recovered.
@@ -65,7 +63,7 @@ impl Run<'_> {
         if self.refinement.inserted.points.total() >= self.most {
             return Ok(false);
         }
-        let step = self.refinement.fill_hole(hole, &mut self.work, &mut AdmitAll);
+        let step = self.refinement.fill_hole(hole, &mut self.work);
         Ok(step == Step::Inserted)
     }
 

@@ -9,7 +9,7 @@
 use crate::RefineError;
 use crate::complex::parts::Parts;
 use crate::heed::Heed;
-use crate::mesh::item::{Item, Work};
+use crate::mesh::item::{Item, Queues};
 use crate::mesh::marks::{ENDS, face_bit};
 use crate::mesh::state::{FACE, State};
 use crate::table::{Map, Set, edge, triangle};
@@ -27,10 +27,10 @@ impl State {
     ///
     /// # Errors
     /// [`RefineError::Cancelled`].
-    pub(crate) fn enter_segments<W: Work>(
+    pub(crate) fn enter_segments(
         &mut self,
         kernel: &[VertexId],
-        work: &mut W,
+        work: &mut Queues,
         heed: Heed<'_>,
     ) -> Result<(), RefineError> {
         for (s, segment) in (0..).zip(&self.plc.segments) {
@@ -79,9 +79,9 @@ impl State {
     ///
     /// # Errors
     /// A facet that has no triangulation; [`RefineError::Cancelled`].
-    pub(crate) fn enter_subfaces<W: Work>(
+    pub(crate) fn enter_subfaces(
         &mut self,
-        work: &mut W,
+        work: &mut Queues,
         heed: Heed<'_>,
     ) -> Result<(), RefineError> {
         let mut on: Vec<Vec<VertexId>> = vec![Vec::new(); self.plc.facets.len()];

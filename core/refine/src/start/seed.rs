@@ -6,13 +6,12 @@
 
 use crate::complex::measure::Shape;
 use crate::heed::Heed;
-use crate::mesh::item::{Item, Work};
+use crate::mesh::item::{Item, Queues};
 use crate::mesh::state::Place;
 use crate::queue::split::{Proposal, Refinement};
 use crate::rules::aim::Aim;
 use crate::rules::verdict::Verdict;
 use crate::rules::walk::Way;
-use ltbw_core::cavity::Admission;
 use ltbw_core::topology::{TetId, VertexId};
 use std::collections::BinaryHeap;
 
@@ -31,13 +30,7 @@ type Candidate = (u64, [VertexId; 4], TetId);
 impl Refinement<'_> {
     /// Inserts the circumcentres of the tetrahedra over their bounds that have large cavities and
     /// that no boundary item bars, the largest balls first; `most`: how many there may be.
-    pub(crate) fn seed<W: Work, A: Admission>(
-        &mut self,
-        most: u64,
-        heed: Heed<'_>,
-        work: &mut W,
-        admission: &mut A,
-    ) {
+    pub(crate) fn seed(&mut self, most: u64, heed: Heed<'_>, work: &mut Queues) {
         let all: Vec<TetId> = self.state.mesh.tet_ids().collect();
         let mut heap: BinaryHeap<Candidate> = BinaryHeap::new();
         heap.extend(all.iter().filter_map(|&t| self.candidate(t)));
@@ -54,7 +47,7 @@ impl Refinement<'_> {
             }
             let Some(place) = self.centre_of(t, v) else { continue };
             let mut size = 0;
-            let verdict = self.propose(&place, work, admission, |judge| {
+            let verdict = self.propose(&place, work, |judge| {
                 size = judge.closure.state.mesh.cavity().tets().count();
                 match size < LARGE {
                     true => Verdict::Useless,

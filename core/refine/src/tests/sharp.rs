@@ -3,7 +3,7 @@
 use super::{ready, refine};
 use crate::late::again::Asking;
 use crate::late::relief::{Goal, Relief};
-use crate::mesh::item::{Item, Work};
+use crate::mesh::item::Item;
 use crate::run::Run;
 use crate::{Reason, RefineOutcome, Refined, Refiner};
 use ltbw_core::invariants::check_all;

@@ -184,21 +184,12 @@ impl Reservations {
         }
         let [at, carrier] = [other, own].map(|number| self.all[number as usize].1);
         let is_boundary = self.leads[other as usize].is_boundary();
-        Rival { is_there: true, is_boundary, is_apart: !is_same(at, carrier) }
+        Rival { is_there: true, is_boundary, is_apart: !at.is_with(carrier) }
     }
 
     /// May a boundary item hold a tetrahedron?
     pub(super) fn may_be_boundary(&self, t: TetId) -> bool {
         self.by_boundary.has(t.index())
-    }
-}
-
-/// Are two boundary points on one segment, or in one facet?
-fn is_same(a: Carrier, b: Carrier) -> bool {
-    match (a, b) {
-        (Carrier::Segment(s, _), Carrier::Segment(r, _)) => s == r,
-        (Carrier::Facet(f), Carrier::Facet(g)) => f == g,
-        _ => false,
     }
 }
 
