@@ -24,18 +24,42 @@ impl Search {
     /// Finds the cavity of a point in kernel coordinates, which is no vertex, from `start`, which
     /// has to be in conflict with it. Ends: each tetrahedron enters once.
     pub fn find(&mut self, mesh: &Mesh, p: &Point, start: TetId) {
-        let mut stats = self.stats;
-        let mut conflict = SharedConflict::new(&mesh.geometry, p, &mut stats);
-        stats.insphere_calls += self.find_by(mesh.topology(), &mut conflict, start);
-        self.stats = stats;
+        self.find_unless(mesh, p, start, |_| false);
     }
 
-    /// Finds the cavity by any test of conflicts. Returns the number of tests.
+    /// Finds the cavity as [`Search::find`] does, unless a tetrahedron of its closure bars that:
+    /// then it gives up, and returns `false`.
+    pub fn find_unless(
+        &mut self,
+        mesh: &Mesh,
+        p: &Point,
+        start: TetId,
+        bars: impl Fn(TetId) -> bool,
+    ) -> bool {
+        let mut stats = self.stats;
+        let mut conflict = SharedConflict::new(&mesh.geometry, p, &mut stats);
+        let tests = self.find_by(mesh.topology(), &mut conflict, start, bars);
+        stats.insphere_calls += tests.unwrap_or(0);
+        self.stats = stats;
+        tests.is_some()
+    }
+
+    /// Finds the cavity by any test of conflicts, unless its closure is barred. Returns the number
+    /// of tests.
     #[inline(always)]
-    pub(crate) fn find_by<C: Conflict>(&mut self, all: &Topology, by: &mut C, t: TetId) -> u64 {
+    pub(crate) fn find_by<C: Conflict>(
+        &mut self,
+        all: &Topology,
+        by: &mut C,
+        t: TetId,
+        bars: impl Fn(TetId) -> bool,
+    ) -> Option<u64> {
         let Self { tets, set, .. } = self;
         tets.clear();
         set.clear();
+        if bars(t) {
+            return None;
+        }
         tets.push(t);
         set.insert(t);
         let (mut next, mut boundary) = (0, 0);
@@ -43,6 +67,9 @@ impl Search {
             next += 1;
             let n = all.tet(t).neighbours().map(tet_of);
             let is_open = n.map(|other| u32::from(!set.contains(other)));
+            if n.iter().zip(is_open).any(|(&other, open)| open == 1 && bars(other)) {
+                return None;
+            }
             let open = is_open[0] | is_open[1] << 1 | is_open[2] << 2 | is_open[3] << 3;
             let (mut inside, outside) = by.by_sphere(n);
             let unknown = !(inside | outside) & open;
@@ -61,7 +88,7 @@ impl Search {
             }
             boundary += (open & !inside).count_ones();
         }
-        tets.len() as u64 + u64::from(boundary) - 1
+        Some(tets.len() as u64 + u64::from(boundary) - 1)
     }
 
     /// The tetrahedra of the cavity.
@@ -107,6 +134,13 @@ mod tests {
                 let Ok(open) = mesh.begin(*p, from, &mut AdmitAll) else { continue };
                 let tets: Vec<TetId> = open.tets().collect();
                 drop(open);
+                // All of the closure is asked for, and nothing else.
+                let around = tets.iter().flat_map(|&t| mesh.topology().tet(t).neighbours());
+                let closure: Vec<TetId> = around.map(tet_of).chain(tets.iter().copied()).collect();
+                for t in mesh.topology().iter().map(|(t, _)| t) {
+                    let is_found = search.find_unless(&mesh, p, tets[0], |other| other == t);
+                    assert_eq!(is_found, !closure.contains(&t), "{kind:?} {p:?} {t:?}");
+                }
                 search.find(&mesh, p, tets[0]);
                 assert_eq!(search.tets(), tets, "{kind:?} {p:?}");
                 for t in mesh.tet_ids() {

@@ -31,7 +31,6 @@ use crate::rules::record::Refusal;
 use crate::rules::verdict::{Filling, Judge};
 use crate::rules::walk::Way;
 use crate::table::{Set, edge};
-use ltbw_core::cavity::AdmitAll;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
@@ -221,7 +220,7 @@ impl Refinement<'_> {
     ) -> bool {
         let Some(bounds) = self.bounds.as_ref().filter(|_| *left > 0) else { return false };
         // The point fell together with a vertex, or the mesh is full.
-        let Ok(mut open) = self.state.begin(place, &mut AdmitAll) else { return false };
+        let Ok(mut open) = self.state.begin(place) else { return false };
         let opened = open.owner().mesh.cavity().tets().count();
         *left = left.saturating_sub(opened);
         if !open.owner().relieves(target, place, bounds) {

@@ -10,6 +10,7 @@ use crate::mesh::key::sorted;
 use crate::mesh::state::State;
 use crate::queue::split::Refinement;
 use crate::rules::verdict::Judge;
+use crate::rules::way::FACES;
 use crate::thin::Thin;
 use ltbw_core::topology::{INFINITE, TetId};
 use ltbw_exact::Point;
@@ -41,10 +42,11 @@ impl Refinement<'_> {
 }
 
 impl Judge<'_> {
-    /// Would the tetrahedra of the point of the open cavity meet the bound, without tiny angles?
+    /// Would the tetrahedra of the point meet the bound, without tiny angles?
     pub(crate) fn makes_no_sliver(&self, p: &Point, ratio: &RatioBound) -> bool {
         let state = self.closure.state;
-        state.mesh.cavity().faces().all(|face| {
+        self.closure.walls().all(|(t, slot)| {
+            let face = FACES[slot].map(|k| state.vertices(t)[k]);
             if face.contains(&INFINITE) {
                 return false;
             }

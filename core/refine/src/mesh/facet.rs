@@ -18,9 +18,9 @@ pub(crate) struct Change {
     /// Edges that the new point is joined to.
     pub(crate) rim: Vec<[VertexId; 2]>,
     /// Of a patch: walls whose tetrahedra do not inherit their label, and the label they get.
-    pub(crate) relabelled: Vec<(usize, u32)>,
+    pub(crate) relabelled: Vec<([VertexId; 3], u32)>,
     /// Of a patch: walls that become subfaces.
-    pub(crate) raised: Vec<(usize, [VertexId; 3])>,
+    pub(crate) raised: Vec<[VertexId; 3]>,
 }
 
 impl Change {

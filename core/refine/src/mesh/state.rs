@@ -17,9 +17,9 @@ use crate::complex::plc::Plc;
 use crate::heed::Heed;
 use crate::outcome::Reason;
 use crate::table::{Map, Set, sides};
-use ltbw_core::cavity::{Admission, AdmitAll, Cavity};
+use ltbw_core::cavity::{AdmitAll, Cavity};
 use ltbw_core::mesh::{At, Mesh};
-use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_core::transaction::{OpenCavity, Opens};
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
@@ -128,12 +128,8 @@ impl State {
     }
 
     /// Finds the cavity of a place.
-    pub(crate) fn begin<A: Admission>(
-        &mut self,
-        place: &Place,
-        admission: &mut A,
-    ) -> Result<OpenCavity<'_, Self>, At> {
-        self.mesh.begin_anywhere(place.p, place.from, admission)?.end(|_| ());
+    pub(crate) fn begin(&mut self, place: &Place) -> Result<OpenCavity<'_, Self>, At> {
+        self.mesh.begin_anywhere(place.p, place.from, &mut AdmitAll)?.end(|_| ());
         Ok(OpenCavity::new(self))
     }
 
@@ -169,12 +165,8 @@ impl State {
     }
 
     /// Finds the cavity of a place, and looks at the boundary in it.
-    pub(crate) fn begin_and_look<A: Admission>(
-        &mut self,
-        place: &Place,
-        admission: &mut A,
-    ) -> Result<OpenCavity<'_, Self>, At> {
-        let mut open = self.begin(place, admission)?;
+    pub(crate) fn begin_and_look(&mut self, place: &Place) -> Result<OpenCavity<'_, Self>, At> {
+        let mut open = self.begin(place)?;
         open.owner_mut().look(place);
         Ok(open)
     }
@@ -198,6 +190,12 @@ impl State {
 
     pub(crate) fn vertices(&self, t: TetId) -> [VertexId; 4] {
         self.mesh.topology().at(t).vertices()
+    }
+
+    /// The tetrahedra beyond the faces of one.
+    #[inline(always)]
+    pub(crate) fn neighbours(&self, t: TetId) -> [TetId; 4] {
+        self.mesh.topology().at(t).neighbours().map(tet_of)
     }
 
     /// Is `t` still the tetrahedron with these vertices?

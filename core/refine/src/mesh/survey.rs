@@ -14,6 +14,14 @@ pub(crate) struct Face<T> {
     pub(crate) is_inner: bool,
 }
 
+impl<T: Copy> Face<T> {
+    /// The tetrahedra of the cavity that have it.
+    pub(crate) fn inside(&self) -> impl Iterator<Item = T> {
+        let [one, other] = self.sides;
+        one.into_iter().chain(other.filter(|_| self.is_inner))
+    }
+}
+
 /// A subsegment of a cavity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Edge {

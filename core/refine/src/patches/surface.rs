@@ -23,13 +23,15 @@ use crate::mesh::marks::face_bit;
 use crate::mesh::state::{FACE, Place, State};
 use crate::mesh::survey::{Face, Survey};
 use crate::mesh::tiles::is_above;
+use crate::rules::bounded::InMesh;
 use crate::table::{Map, edge, sides, triangle};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, orient3d};
 
-/// A wall of the open cavity.
+/// A wall of a cavity.
 struct Wall {
+    /// Its corners, ascending.
     corners: [VertexId; 3],
     /// The label that its new tetrahedron has.
     label: u32,
@@ -51,14 +53,14 @@ impl State {
         !self.is_patch(f) || self.journal.is_some()
     }
 
-    /// The changes that the point of the cavity makes to the patches that it lies on,
-    /// given those to the other facets; `None` if it leaves a patch torn. `split`: the subsegment
-    /// that it divides.
+    /// The changes that a point with this closure makes to the patches that it lies on, given those
+    /// to the other facets; `None` if it leaves a patch torn. `split`: the subsegment that it
+    /// divides.
     ///
     /// While the boundary is recovered there are no changes: layers are looked for afterwards.
     pub(crate) fn plan_patches<T: Copy + Ord>(
         &self,
-        survey: &Survey<T>,
+        (closure, survey): (InMesh<'_>, &Survey<T>),
         place: &Place,
         split: Option<[VertexId; 2]>,
         others: &[Change],
@@ -81,7 +83,10 @@ impl State {
         }
         if lost.iter().all(|&f| self.sides_of(f).is_some()) {
             let places = [&patches[..], &lost];
-            let plan = |dust: bool| self.plan_labels(survey, &place.p, places, split, others, dust);
+            let plan = |dust: bool| {
+                let walls = self.labelled_walls(closure, places, dust)?;
+                self.plan_labels((&walls, survey), &place.p, places, split, others)
+            };
             let planned = plan(true).or_else(|| plan(false));
             if planned.is_some() || lost.is_empty() {
                 return planned;
@@ -96,18 +101,16 @@ impl State {
         Some(own)
     }
 
-    /// The plan with or without the rule for dust, for patches that the point is on, and others
+    /// The plan by the labels that walls would have, for patches that the point is on, and others
     /// that it takes subfaces of.
     fn plan_labels<T: Copy + Ord>(
         &self,
-        survey: &Survey<T>,
+        (walls, survey): (&[Wall], &Survey<T>),
         p: &Point,
         [patches, lost]: [&[u32]; 2],
         split: Option<[VertexId; 2]>,
         others: &[Change],
-        dust: bool,
     ) -> Option<Vec<Change>> {
-        let walls = self.labelled_walls([patches, lost], dust)?;
         let all = || patches.iter().chain(lost);
         let mut changes: Vec<Change> = all().map(|&f| Change::of(f)).collect();
         let place = |f: u32| all().position(|&g| g == f);
@@ -116,18 +119,17 @@ impl State {
                 changes[k].removed.push(face.key);
             }
         }
-        for (i, wall) in walls.iter().enumerate() {
+        for wall in walls {
             if let Some(k) = wall.left.and_then(place) {
-                let [a, b, c] = wall.corners;
-                changes[k].removed.push(triangle(a, b, c));
-                changes[k].relabelled.push((i, wall.label));
+                changes[k].removed.push(wall.corners);
+                changes[k].relabelled.push((wall.corners, wall.label));
             }
             if let Some(f) = wall.raised {
                 if !self.faces_inwards(f, wall.corners, p) {
                     return None;
                 }
-                changes[place(f)?].raised.push((i, wall.corners));
-                changes[place(f)?].relabelled.push((i, wall.label));
+                changes[place(f)?].raised.push(wall.corners);
+                changes[place(f)?].relabelled.push((wall.corners, wall.label));
             }
         }
         let mut edges: Vec<([VertexId; 2], usize)> = Vec::with_capacity(3 * walls.len());
@@ -154,22 +156,26 @@ impl State {
         whole.then_some(changes)
     }
 
-    /// The walls of the open cavity, with the labels of their new tetrahedra; `None` if dust that
-    /// changes sides meets a third one.
-    fn labelled_walls(&self, [patches, lost]: [&[u32]; 2], dust: bool) -> Option<Vec<Wall>> {
-        let topology = self.mesh.topology();
-        let wall = |(corners, outer): ([VertexId; 3], ltbw_core::topology::FaceId)| {
-            let inner = topology.at(tet_of(outer)).neighbours()[slot_of(outer)];
-            let word = self.marks.of(tet_of(inner));
-            let own = self.marks.region(tet_of(inner));
+    /// The walls of a cavity with the labels of their new tetrahedra, `dust` by its rule or not;
+    /// `None` if some that changes sides meets a third one.
+    fn labelled_walls(
+        &self,
+        closure: InMesh<'_>,
+        [patches, lost]: [&[u32]; 2],
+        dust: bool,
+    ) -> Option<Vec<Wall>> {
+        let wall = |(t, slot): (TetId, usize)| {
+            let v = self.vertices(t);
+            let [a, b, c] = FACE[slot].map(|k| v[k]);
+            let (corners, own) = (triangle(a, b, c), self.marks.region(t));
             let mut wall = Wall { corners, label: own, left: None, raised: None };
-            let [a, b, c] = corners;
-            let is_marked = word & face_bit(slot_of(inner)) != 0;
-            let facet = || self.subfaces.get(&triangle(a, b, c)).copied();
-            if let Some((f, label)) = self.dust_of(tet_of(inner), lost) {
+            let is_marked = self.marks.of(t) & face_bit(slot) != 0;
+            let facet = || self.subfaces.get(&corners).copied();
+            if let Some((f, label)) = self.dust_of(t, lost) {
                 wall.label = label;
+                let beyond = || self.marks.region(self.neighbours(t)[slot]);
                 match is_marked {
-                    true if self.marks.region(tet_of(outer)) != label => return None,
+                    true if beyond() != label => return None,
                     true => wall.left = Some(facet().filter(|f| lost.contains(f))?),
                     false => wall.raised = Some(f),
                 }
@@ -185,7 +191,7 @@ impl State {
             }
             Some(wall)
         };
-        self.mesh.cavity().boundary().map(wall).collect()
+        closure.walls().map(wall).collect()
     }
 
     /// The patch among some that `t` is dust of, on the outer side, and the label of the inner one.
@@ -242,7 +248,7 @@ impl State {
         let new = VertexId::at(self.carriers.len());
         let mut counts: Map<[VertexId; 2], [u32; 2]> = Map::default();
         let added = change.rim.iter().map(|&[a, b]| triangle(a, b, new));
-        let added = added.chain(change.raised.iter().map(|&(_, [a, b, c])| triangle(a, b, c)));
+        let added = added.chain(change.raised.iter().copied());
         for (k, list) in [change.removed.clone(), added.collect()].into_iter().enumerate() {
             for (side, _) in list.into_iter().flat_map(sides) {
                 counts.entry(side).or_default()[k] += 1;
@@ -270,20 +276,29 @@ impl State {
 
     /// After the filling: gives the tetrahedra on walls that are subfaces no longer their labels.
     pub(crate) fn relabel_walls(&mut self, changes: &[Change]) {
-        for &(i, label) in changes.iter().flat_map(|change| &change.relabelled) {
-            let Some(&t) = self.mesh.cavity().star().tets.get(i) else { continue };
+        if changes.iter().all(|change| change.relabelled.is_empty()) {
+            return;
+        }
+        let wall = |&t: &TetId| {
+            let [_, a, b, c] = self.vertices(t);
+            (triangle(a, b, c), t)
+        };
+        let star: Map<[VertexId; 3], TetId> =
+            self.mesh.cavity().star().tets.iter().map(wall).collect();
+        for (wall, label) in changes.iter().flat_map(|change| &change.relabelled) {
+            let Some(&t) = star.get(wall) else { continue };
             let across = self.mesh.topology().at(t).neighbours()[0];
-            self.marks.set_region(t, label);
+            self.marks.set_region(t, *label);
             self.marks.clear(t, face_bit(0));
             self.marks.clear(tet_of(across), face_bit(slot_of(across)));
         }
         for change in changes {
-            for &(i, [a, b, c]) in &change.raised {
-                let Some(&t) = self.mesh.cavity().star().tets.get(i) else { continue };
+            for wall in &change.raised {
+                let Some(&t) = star.get(wall) else { continue };
                 let across = self.mesh.topology().at(t).neighbours()[0];
                 self.marks.set(t, face_bit(0));
                 self.marks.set(tet_of(across), face_bit(slot_of(across)));
-                self.add_subface(triangle(a, b, c), change.facet);
+                self.add_subface(*wall, change.facet);
             }
         }
     }

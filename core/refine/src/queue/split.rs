@@ -18,7 +18,7 @@ use crate::rules::aim::{ATTEMPTS, Aim, Aims, Circle};
 use crate::rules::record::{Record, Refusal};
 use crate::rules::verdict::{Judge, Verdict};
 use crate::rules::walk::Way;
-use ltbw_core::cavity::{AdmitAll, Setback};
+use ltbw_core::cavity::Setback;
 use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::Point;
@@ -316,7 +316,7 @@ impl<'a> Refinement<'a> {
         work: &mut Queues,
         verdict: impl FnOnce(Judge<'_>) -> Verdict,
     ) -> Proposal {
-        let open = match self.state.begin_and_look(place, &mut AdmitAll) {
+        let open = match self.state.begin_and_look(place) {
             Ok(open) => open,
             // The point fell together with a vertex.
             Err(At::Vertex(_)) => return Proposal::Useless,
@@ -332,7 +332,7 @@ impl<'a> Refinement<'a> {
             }
             Verdict::Defer(first) => Proposal::Deferred(first),
             Verdict::Refuse(reason) => Proposal::Refused(reason),
-            Verdict::Useless | Verdict::AtPatch => Proposal::Useless,
+            Verdict::Useless => Proposal::Useless,
         }
     }
 }

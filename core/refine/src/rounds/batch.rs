@@ -8,15 +8,16 @@ use super::foremost::Foremost;
 use super::probe::Approach;
 use super::{Candidate, Conclusion, Rounds};
 use crate::mesh::item::Item;
-use crate::mesh::state::Place;
+use crate::mesh::state::{Place, State};
 use crate::mesh::survey::Survey;
 use crate::rules::aim::ATTEMPTS;
 use crate::rules::bounded::InMesh;
+use crate::rules::record::Record;
 use crate::rules::verdict::{Filling, Judge, Verdict};
 use crate::rules::watch::Watch;
 use ltbw_core::PredicateStats;
 use ltbw_core::search::Search;
-use ltbw_core::topology::TetId;
+use ltbw_core::topology::{INFINITE, TetId};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -30,12 +31,49 @@ pub(super) struct Prober {
     pub(super) survey: Survey<TetId>,
 }
 
-/// The end of a probe that does not conclude.
-#[derive(Debug)]
-enum Probed {
-    Reserves(Reserves),
-    /// It changes a patch: the cavity has to be open.
-    AtPatch(Foremost, u32),
+impl Prober {
+    /// Finds the closure of a place, whose tetrahedron holds it, and the boundary there.
+    pub(super) fn see<'s>(
+        &'s mut self,
+        state: &'s State,
+        place: &Place,
+        bars: impl Fn(TetId) -> bool,
+    ) -> Result<Seen<'s>, Unseen> {
+        let Self { search, survey } = self;
+        let mut corners = state.vertices(place.from).into_iter().filter(|&v| v != INFINITE);
+        if corners.any(|v| state.at(v) == place.p) {
+            return Err(Unseen::Vertex);
+        }
+        if !search.find_unless(&state.mesh, &place.p, place.from, bars) {
+            return Err(Unseen::Barred);
+        }
+        let closure = InMesh::found(state, search);
+        survey.look(&closure, &place.p, place.carrier);
+        Ok(Seen { closure, tets: search.tets(), survey })
+    }
+}
+
+/// Why a probe has no closure.
+pub(super) enum Unseen {
+    /// Its point fell together with a vertex.
+    Vertex,
+    /// A tetrahedron bars it.
+    Barred,
+}
+
+/// A closure that a probe has found.
+pub(super) struct Seen<'s> {
+    pub(super) closure: InMesh<'s>,
+    /// The cavity.
+    pub(super) tets: &'s [TetId],
+    pub(super) survey: &'s Survey<TetId>,
+}
+
+impl<'s> Seen<'s> {
+    /// The grounds of a verdict on its point.
+    pub(super) fn judge(&self, record: &'s Record) -> Judge<'s> {
+        Judge::new(self.closure, self.survey, record)
+    }
 }
 
 /// A probe that reserves its cavity.
@@ -46,15 +84,15 @@ struct Reserves {
     place: Place,
     /// Its tetrahedra in the list of the batch.
     cavity: Range<usize>,
-    /// May the point be inserted, if no other one is in its way?
     fits: bool,
     watch: Option<Watch<TetId>>,
+    filling: Filling,
 }
 
 /// The findings of some probes, in their order.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
-    probed: Vec<Probed>,
+    probed: Vec<Reserves>,
     cavities: Vec<TetId>,
     conclusions: Vec<Conclusion>,
     blocks: Vec<Block>,
@@ -102,35 +140,21 @@ impl Rounds<'_, '_> {
     /// Proposes a point for a tetrahedron, the leader of a group, of this rank.
     fn probe_into(&self, own: &Foremost, rank: u32, prober: &mut Prober, batch: &mut Batch) {
         let (t, state) = (own.t, &self.own.state);
-        let Prober { search, survey } = prober;
         for attempt in 0..=ATTEMPTS {
             let place = match self.approach(own, rank, attempt) {
                 Approach::At(place) => place,
                 Approach::Elsewhere => continue,
                 Approach::Ends(conclusion) => return batch.conclusions.push(conclusion),
             };
-            let Place { p, carrier, from } = place;
             batch.searches += 1;
-            // The point fell together with a vertex.
-            if state.vertices(from).iter().any(|&v| state.at(v) == p) {
-                continue;
-            }
-            search.find(&state.mesh, &p, from);
-            let closure = InMesh::found(state, search);
-            survey.look(&closure, &p, carrier);
-            let tets = search.tets();
-            let verdict = Judge::new(closure, survey, &self.own.record).on_tet(t, &place);
-            let (fits, first) = match verdict {
-                Verdict::Fill(_) => (true, Vec::new()),
-                Verdict::Defer(first) => (false, first),
+            let Ok(seen) = prober.see(state, &place, |_| false) else { continue };
+            let (filling, first) = match seen.judge(&self.own.record).on_tet(t, &place) {
+                Verdict::Fill(filling) => (Some(filling), Vec::new()),
+                Verdict::Defer(first) => (None, first),
                 Verdict::Useless | Verdict::Refuse(_) => continue,
-                Verdict::AtPatch => {
-                    batch.searches -= 1;
-                    batch.probed.push(Probed::AtPatch(*own, rank));
-                    return;
-                }
             };
-            if !fits {
+            let Seen { closure, tets, survey } = seen;
+            if filling.is_none() {
                 let conclusion = self.conclusion(own, rank, &first);
                 let is_refused = conclusion.verdict.is_err();
                 batch.conclusions.push(conclusion);
@@ -148,32 +172,28 @@ impl Rounds<'_, '_> {
             self.reserved.reserve(rank, tets, self.threads == 1);
             let start = batch.cavities.len();
             batch.cavities.extend(tets);
-            batch.probed.push(Probed::Reserves(Reserves {
+            batch.probed.push(Reserves {
                 item: Item::Tet(t, state.vertices(t)),
                 rank,
                 place,
                 cavity: start..batch.cavities.len(),
-                fits,
-                watch: survey.watch_in_tet(&closure),
-            }));
+                fits: filling.is_some(),
+                watch: filling.as_ref().and_then(|_| survey.watch_in_tet(&closure)),
+                filling: filling.unwrap_or_default(),
+            });
             return;
         }
     }
 
     /// Takes over what a batch has found.
     pub(super) fn take_batch(&mut self, batch: Batch) {
-        for probed in batch.probed {
-            let own = match probed {
-                Probed::Reserves(own) => own,
-                Probed::AtPatch(own, rank) => {
-                    self.probe_tet(&own, rank);
-                    continue;
-                }
-            };
-            let Reserves { item, rank, place, cavity, fits, watch } = own;
+        for Reserves { item, rank, place, cavity, fits, watch, filling } in batch.probed {
             let cavity = self.choice.add_cavity(&batch.cavities[cavity]);
-            let filling = Filling::default();
-            let own = Candidate { item, rank, fits, watch, alone: false, place, cavity, filling };
+            // A point inside changes nothing but patches. Labels there are a function of the mesh
+            // as long as one point at a time changes them.
+            let alone = !filling.changes.is_empty();
+            self.reserved.note_alone(rank, alone);
+            let own = Candidate { item, rank, fits, watch, alone, place, cavity, filling };
             self.choice.candidates.push(own);
         }
         self.demands.conclusions.extend(batch.conclusions);

@@ -92,14 +92,6 @@ impl Rounds<'_, '_> {
         found
     }
 
-    /// Notes such subfaces of the last candidate, whose cavity was open.
-    pub(super) fn note_blocks(&mut self, limit: Option<Limit>) {
-        let Some(own) = self.choice.candidates.last() else { return };
-        let tets = self.choice.cavity_of(own);
-        let found = self.blocks_in(tets, &self.own.state.survey, limit);
-        self.blocks.found.extend(found);
-    }
-
     /// Forgets subfaces that are gone, or may be split, or have another tetrahedron beside them.
     pub(super) fn check_blocks(&mut self) {
         let Self { blocks: Blocks { kept: blocks, .. }, own, .. } = self;

@@ -1,20 +1,19 @@
 //! Probes of boundary items: where each is to be split, and the verdict on that point, on the mesh
 //! at the start of the round. All threads look at them, in any order; one waits if another with a
-//! larger key is in its way, whatever becomes of that. At patches one thread looks at each in its
-//! turn, with the cavity open, and one waits for those that were taken before.
+//! larger key is in its way, whatever becomes of that. At patches they are taken in turns, and one
+//! waits for those that were taken before.
 
-use super::batch::Prober;
-use super::probe::Probe;
+use super::batch::{Prober, Unseen};
 use super::{CHECK_EVERY, Candidate, Look, Rounds};
+use crate::complex::carrier::Carrier;
 use crate::mesh::item::Item;
 use crate::mesh::state::Place;
 use crate::outcome::Reason;
 use crate::rules::aim::{ATTEMPTS, Aim};
-use crate::rules::bounded::InMesh;
-use crate::rules::verdict::{Judge, Verdict};
+use crate::rules::verdict::Verdict;
 use crate::rules::watch::Watch;
 use ltbw_core::PredicateStats;
-use ltbw_core::topology::{INFINITE, TetId};
+use ltbw_core::topology::TetId;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -39,6 +38,8 @@ enum Proposed {
 enum Looked {
     Gone,
     Refused(Reason),
+    /// One taken before it is in its way.
+    Barred,
     Found(Found),
 }
 
@@ -48,7 +49,7 @@ struct Found {
     place: Place,
     /// The cavity in the list of the batch.
     cavity: Range<usize>,
-    watch: Watch<TetId>,
+    watch: Option<Watch<TetId>>,
     verdict: Verdict,
 }
 
@@ -65,27 +66,34 @@ impl Rounds<'_, '_> {
     /// `true` if the work is cancelled.
     pub(super) fn probe_boundary(&mut self, items: &[(Item, TetId)], heed: Look<'_>) -> bool {
         let vertices = self.own.state.mesh.num_vertices();
+        let mut cancelled = false;
         if self.in_waves {
-            for (done, &own) in items.iter().enumerate() {
-                if done % CHECK_EVERY == CHECK_EVERY - 1 && heed(vertices) {
-                    return true;
+            let (mut own, mut tets) = (std::mem::take(&mut self.prober), Vec::new());
+            for (done, &(item, near)) in items.iter().enumerate() {
+                cancelled = done % CHECK_EVERY == CHECK_EVERY - 1 && heed(vertices);
+                if cancelled {
+                    break;
                 }
-                self.probe_open(own);
+                tets.clear();
+                let looked = self.look_at_item((item, near), &mut own, &mut tets);
+                self.take_looked((item, near), looked, &tets);
             }
-            return false;
+            self.own.state.mesh.add_stats(std::mem::take(&mut own.search.stats));
+            self.prober = own;
+            return cancelled;
         }
         let mut own = std::mem::take(&mut self.prober);
         let this = &*self;
         let look = |prober: &mut Prober, items: &[(Item, TetId)]| {
             let mut batch = Batch::default();
             for &(item, near) in items {
-                let looked = this.look_at_item(item, near, prober, &mut batch.tets);
+                let looked = this.look_at_item((item, near), prober, &mut batch.tets);
                 batch.all.push((item, near, looked));
             }
             batch.stats = std::mem::take(&mut prober.search.stats);
             batch
         };
-        let (mut batches, mut cancelled): (Vec<Batch>, _) = (Vec::new(), false);
+        let mut batches: Vec<Batch> = Vec::new();
         for items in items.chunks(CHECK_EVERY * self.threads) {
             cancelled = !batches.is_empty() && heed(vertices);
             if cancelled {
@@ -141,17 +149,15 @@ impl Rounds<'_, '_> {
         }
     }
 
-    /// Looks for the point of a boundary item; its cavity, and what is around it, is added to
-    /// `list`. The last attempt is refused.
+    /// Looks for the point of a boundary item; its cavity is added to `list`. The last attempt is
+    /// refused.
     fn look_at_item(
         &self,
-        item: Item,
-        near: TetId,
+        (item, near): (Item, TetId),
         prober: &mut Prober,
         list: &mut Vec<TetId>,
     ) -> Looked {
         let state = &self.own.state;
-        let Prober { search, survey } = prober;
         for attempt in 0..=ATTEMPTS {
             let (place, is_on) = match self.proposed(item, near, attempt) {
                 Proposed::Gone => return Looked::Gone,
@@ -159,39 +165,45 @@ impl Rounds<'_, '_> {
                 Proposed::Useless => continue,
                 Proposed::At(place, is_on) => (place, is_on),
             };
-            let p = &place.p;
-            let Some(from) = state.holder(state.start_near(near), p) else { continue };
-            // The point fell together with a vertex.
-            let mut corners = state.vertices(from).into_iter().filter(|&v| v != INFINITE);
-            if corners.any(|v| state.at(v) == *p) {
-                continue;
-            }
-            search.find(&state.mesh, p, from);
-            let closure = InMesh::found(state, search);
-            survey.look(&closure, p, place.carrier);
-            let judge = Judge::new(closure, survey, &self.own.record);
-            let verdict = judge.on_boundary(item, &place, is_on);
+            let from = state.holder(state.start_near(near), &place.p);
+            let Some(place) = from.map(|from| Place { from, ..place }) else { continue };
+            // Points in turns mostly have to wait: a search ends where one was taken before.
+            let bars = |t: TetId| self.in_waves && self.is_taken(t, place.carrier);
+            let seen = match prober.see(state, &place, bars) {
+                Ok(seen) => seen,
+                Err(Unseen::Vertex) => continue,
+                Err(Unseen::Barred) => return Looked::Barred,
+            };
+            let verdict = seen.judge(&self.own.record).on_boundary(item, &place, is_on);
             if matches!(verdict, Verdict::Useless) {
                 continue;
             }
             let start = list.len();
-            list.extend(search.tets());
+            list.extend(seen.tets);
             let cavity = start..list.len();
-            let watch = survey.watch_at_item(&closure, Some(item), place.carrier);
-            let place = Place { from, ..place };
+            let watch = matches!(verdict, Verdict::Fill(_))
+                .then(|| seen.survey.watch_at_item(&seen.closure, Some(item), place.carrier));
             return Looked::Found(Found { place, cavity, watch, verdict });
         }
         Looked::Refused(state.unserved(item))
     }
 
+    /// Rule (d) for points in turns: is a slot in the cavity of a point that was taken before, and
+    /// is not of the same segment or facet?
+    fn is_taken(&self, t: TetId, carrier: Carrier) -> bool {
+        let other = self.reserved.holder(t).map(|other| &self.choice.candidates[other]);
+        other.is_some_and(|other| !other.place.carrier.is_with(carrier))
+    }
+
     /// Makes an item that may be split a candidate; `list` has its cavity.
     fn take_looked(&mut self, (item, near): (Item, TetId), looked: Looked, list: &[TetId]) {
         let found = match looked {
-            Looked::Gone => {
-                self.demands.remove(&item);
+            Looked::Gone => return self.demands.remove(&item),
+            Looked::Refused(reason) => return self.refuse(item, reason),
+            Looked::Barred => {
+                self.stats.barred += 1;
                 return;
             }
-            Looked::Refused(reason) => return self.refuse(item, reason),
             Looked::Found(found) => found,
         };
         let Found { place, cavity, watch, verdict } = found;
@@ -200,38 +212,33 @@ impl Rounds<'_, '_> {
             Verdict::Fill(filling) => {
                 let cavity = self.choice.add_cavity(&list[cavity]);
                 let rank = self.choice.candidates.len() as u32;
-                let (fits, alone, watch) = (true, false, Some(watch));
+                // Labels at a patch are a function of the mesh as long as one point at a time
+                // changes them.
+                let is_patch = |f: u32| self.own.state.is_patch(f);
+                let alone = filling.changes.iter().any(|change| is_patch(change.facet));
+                let fits = true;
                 let own = Candidate { item, rank, fits, watch, alone, place, cavity, filling };
                 self.choice.candidates.push(own);
-                self.reserve_last();
+                self.reserved.note_alone(rank, alone);
+                match self.in_waves {
+                    true => self.take_or_drop(),
+                    false => self.reserve_last(),
+                }
             }
             Verdict::Defer(first) => self.wait(item, first, near),
             Verdict::Refuse(reason) => self.refuse(item, reason),
-            Verdict::Useless | Verdict::AtPatch => {}
+            Verdict::Useless => {}
         }
     }
 
-    /// Probes a boundary item with the cavity of its point open, and takes it if it may be split.
-    fn probe_open(&mut self, (item, near): (Item, TetId)) {
-        for attempt in 0..=ATTEMPTS {
-            let (place, is_on) = match self.proposed(item, near, attempt) {
-                Proposed::Gone => {
-                    self.demands.remove(&item);
-                    return;
-                }
-                Proposed::Refused(reason) => return self.refuse(item, reason),
-                Proposed::Useless => continue,
-                Proposed::At(place, is_on) => (place, is_on),
-            };
-            let rank = self.choice.candidates.len() as u32;
-            let verdict = |judge: Judge<'_>| judge.on_boundary(item, &place, is_on);
-            match self.probe((item, rank), &place, verdict) {
-                Probe::Fits => return self.take_or_drop(),
-                Probe::Barred => return,
-                Probe::Defers(first) => return self.wait(item, first, near),
-                Probe::Refuses(reason) => return self.refuse(item, reason),
-                Probe::Useless => {}
-            }
+    /// Takes the last candidate, unless one taken before it is in its way.
+    fn take_or_drop(&mut self) {
+        let last = self.choice.candidates.len() - 1;
+        if self.survives(last) {
+            self.choice.chosen.push(last);
+            self.reserve_last();
+        } else if let Some(last) = self.choice.candidates.pop() {
+            self.choice.cavities.truncate(last.cavity.start);
         }
     }
 }

@@ -139,12 +139,6 @@ impl Rounds<'_, '_> {
         items.into_iter().map(|(_, item, near)| (item, near)).collect()
     }
 
-    /// Takes the last candidate, whose cavity is its own from now on, where none before it has it.
-    pub(super) fn take(&mut self) {
-        self.choice.chosen.push(self.choice.candidates.len() - 1);
-        self.reserve_last();
-    }
-
     /// Writes the last candidate into the slots of its cavity, where none before it is.
     pub(super) fn reserve_last(&mut self) {
         if let Some(k) = self.choice.candidates.len().checked_sub(1) {
@@ -155,13 +149,6 @@ impl Rounds<'_, '_> {
     pub(super) fn reserve(&mut self, k: usize) {
         let candidate = &self.choice.candidates[k];
         self.reserved.reserve(candidate.rank, self.choice.cavity_of(candidate), true);
-    }
-
-    /// Notes by its rank whether the last candidate has to be alone.
-    pub(super) fn note_alone(&mut self) {
-        if let Some(candidate) = self.choice.candidates.last() {
-            self.reserved.note_alone(candidate.rank, candidate.alone);
-        }
     }
 
     /// Has a candidate's closure slots in the cavities of those before it, if one of the two has to

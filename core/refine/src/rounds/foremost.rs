@@ -9,7 +9,7 @@ use crate::mesh::key::order_key;
 use crate::mesh::state::State;
 use crate::table::Map;
 use ltbw_core::order::hilbert;
-use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::Point;
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -151,7 +151,7 @@ impl Rounds<'_, '_> {
 impl Ranked for State {
     #[inline(always)]
     fn neighbours(&self, t: TetId) -> [TetId; 4] {
-        self.mesh.topology().at(t).neighbours().map(tet_of)
+        Self::neighbours(self, t)
     }
 
     #[inline(always)]

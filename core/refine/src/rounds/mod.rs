@@ -49,7 +49,6 @@ use demands::{Asked, Conclusion, Demands, Pending};
 use foremost::Front;
 use late::Late;
 use ltbw_core::topology::TetId;
-use probe::Probe;
 use reserved::Reserved;
 use std::ops::Range;
 use times::Clock;
@@ -100,7 +99,7 @@ struct Candidate {
     /// May the point be inserted, if no other one is in its way?
     fits: bool,
     /// The tetrahedra at which those before it make it wait; none if nothing of its cavity is on
-    /// the boundary.
+    /// the boundary, or it does not fit.
     watch: Option<Watch<TetId>>,
     /// Does it have to be the foremost in its whole closure, and to be left alone there?
     alone: bool,

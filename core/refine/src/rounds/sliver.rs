@@ -4,16 +4,15 @@
 //! A point is inserted only where no other one is, so that its tetrahedra are those looked at, and
 //! no sliver follows from another.
 
-use super::{CHECK_EVERY, Look, Probe, Rounds};
+use super::{CHECK_EVERY, Candidate, Look, Rounds};
 use crate::complex::carrier::{Carrier, free_point};
 use crate::complex::measure::{RatioBound, Shape};
 use crate::late::sliver::{REACH, TRIES, in_unit_ball};
 use crate::mesh::item::Item;
 use crate::mesh::key::sorted;
 use crate::mesh::state::Place;
-use crate::outcome::Reason;
 use crate::rules::aim::TOLERANCE;
-use crate::rules::verdict::{Judge, Verdict};
+use crate::rules::verdict::Verdict;
 use crate::rules::walk::Way;
 use ltbw_core::topology::{TetId, VertexId};
 
@@ -58,6 +57,8 @@ impl Rounds<'_, '_> {
         });
         self.late.slivers = Some(slivers);
         self.stats.searches = searches;
+        let stats = std::mem::take(&mut self.prober.search.stats);
+        self.own.state.mesh.add_stats(stats);
         if cancelled {
             return true;
         }
@@ -85,18 +86,18 @@ impl Rounds<'_, '_> {
                 && let Way::Arrived(from) = self.own.state.way(own.t, &p)
             {
                 let place = Place { p, carrier: Carrier::Free, from };
-                let verdict = |judge: Judge<'_>| match judge.on_tet(own.t, &place) {
-                    Verdict::Fill(filling) if judge.makes_no_sliver(&p, &ratio) => {
-                        Verdict::Fill(filling)
-                    }
-                    _ => Verdict::Refuse(Reason::Rounding),
-                };
-                let item = Item::Tet(own.t, own.v);
-                if let Probe::Fits = self.probe((item, rank), &place, verdict) {
-                    if let Some(candidate) = self.choice.candidates.last_mut() {
-                        candidate.alone = true;
-                    }
-                    self.note_alone();
+                if let Ok(seen) = self.prober.see(&self.own.state, &place, |_| false)
+                    && let judge = seen.judge(&self.own.record)
+                    && let Verdict::Fill(filling) = judge.on_tet(own.t, &place)
+                    && judge.makes_no_sliver(&p, &ratio)
+                {
+                    let (item, watch) =
+                        (Item::Tet(own.t, own.v), seen.survey.watch_in_tet(&seen.closure));
+                    let cavity = self.choice.add_cavity(seen.tets);
+                    let (fits, alone) = (true, true);
+                    let own = Candidate { item, rank, fits, watch, alone, place, cavity, filling };
+                    self.choice.candidates.push(own);
+                    self.reserved.note_alone(rank, alone);
                     self.reserve_last();
                     return true;
                 }

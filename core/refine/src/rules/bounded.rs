@@ -21,14 +21,16 @@ pub(crate) trait Bounded {
     /// The boundary of the domain.
     fn plc(&self) -> &Plc;
 
+    /// It as one of a mesh, if all of that is here.
+    fn here(&self) -> Option<InMesh<'_>>;
+
     /// The mesh that it is in, if all of that is here.
-    fn state(&self) -> Option<&State>;
+    fn state(&self) -> Option<&State> {
+        self.here().map(|own| own.state)
+    }
 
     /// The tetrahedra in conflict with the point.
     fn cavity(&self) -> impl Iterator<Item = Self::Tet>;
-
-    /// Is it the open cavity of a mesh?
-    fn is_open(&self) -> bool;
 
     /// Is a tetrahedron in conflict with the point?
     fn is_in(&self, t: Self::Tet) -> bool;
@@ -82,6 +84,14 @@ impl<'s> InMesh<'s> {
     pub(crate) fn found(state: &'s State, search: &'s Search) -> Self {
         Self { state, found: Some(search) }
     }
+
+    /// The faces of the cavity, each as a slot of the tetrahedron inside.
+    pub(crate) fn walls(&self) -> impl Iterator<Item = (TetId, usize)> {
+        self.cavity().flat_map(move |t| {
+            let beyond = self.state.neighbours(t);
+            (0..4).filter(move |&slot| !self.is_in(beyond[slot])).map(move |slot| (t, slot))
+        })
+    }
 }
 
 impl Bounded for InMesh<'_> {
@@ -91,8 +101,8 @@ impl Bounded for InMesh<'_> {
         &self.state.plc
     }
 
-    fn state(&self) -> Option<&State> {
-        Some(self.state)
+    fn here(&self) -> Option<InMesh<'_>> {
+        Some(*self)
     }
 
     fn cavity(&self) -> impl Iterator<Item = TetId> {
@@ -100,10 +110,6 @@ impl Bounded for InMesh<'_> {
             None => self.state.mesh.cavity().tets(),
             Some(search) => search.tets().iter().copied(),
         }
-    }
-
-    fn is_open(&self) -> bool {
-        self.found.is_none()
     }
 
     fn is_in(&self, t: TetId) -> bool {
@@ -220,16 +226,12 @@ impl<R: Surveyed> Bounded for ByValues<'_, R> {
         self.complex.plc()
     }
 
-    fn state(&self) -> Option<&State> {
+    fn here(&self) -> Option<InMesh<'_>> {
         None
     }
 
     fn cavity(&self) -> impl Iterator<Item = R::Tet> {
         self.closure.cavity()
-    }
-
-    fn is_open(&self) -> bool {
-        false
     }
 
     fn is_in(&self, t: R::Tet) -> bool {

@@ -94,7 +94,7 @@ impl<'c, R: Surveyed> Survey<'c, R> {
             Verdict::Defer(first) => {
                 Ruling::Defer(first.into_iter().filter_map(|item| self.named(item)).collect())
             }
-            Verdict::Refuse(_) | Verdict::AtPatch => Ruling::Refuse,
+            Verdict::Refuse(_) => Ruling::Refuse,
             Verdict::Useless => Ruling::Useless,
         }
     }

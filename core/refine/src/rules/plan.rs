@@ -123,9 +123,9 @@ impl<B: Bounded> Judge<'_, B> {
         split: Option<[VertexId; 2]>,
         others: &[Change],
     ) -> Option<Vec<Change>> {
-        match self.closure.state() {
+        match self.closure.here() {
             None => Some(Vec::new()),
-            Some(state) => state.plan_patches(self.survey, place, split, others),
+            Some(own) => own.state.plan_patches((own, self.survey), place, split, others),
         }
     }
 

@@ -51,8 +51,6 @@ pub(crate) enum Verdict {
     Refuse(Reason),
     /// It does not do what it was made for; another one may.
     Useless,
-    /// A point inside that changes a patch: its cavity has to be open.
-    AtPatch,
 }
 
 /// The grounds of a verdict.
@@ -176,10 +174,6 @@ impl<'s, B: Bounded> Judge<'s, B> {
         let mut first = self.hits();
         let mut changes = Vec::new();
         if first.is_empty() {
-            if !self.closure.is_open() && self.survey.inner().any(|face| self.is_patch(face.facet))
-            {
-                return Verdict::AtPatch;
-            }
             changes = self.patches(place, None, &[]).unwrap_or_default();
             first = self.losses(None, &changes);
         }

@@ -7,10 +7,10 @@ use super::choice::Rival;
 use crate::complex::carrier::Carrier;
 use crate::complex::measure::in_equatorial_ball;
 use crate::mesh::item::Item;
-use crate::mesh::marks::ENDS;
+use crate::mesh::marks::{ENDS, edge_bit};
 use crate::mesh::survey::{Face, Survey};
 use crate::table::edge;
-use ltbw_core::topology::{INFINITE, VertexId};
+use ltbw_core::topology::INFINITE;
 
 impl<T: Copy + Ord> Survey<T> {
     /// The watch of a point inside; none if no part of its cavity is marked.
@@ -31,13 +31,8 @@ impl<T: Copy + Ord> Survey<T> {
         item: Option<Item>,
         carrier: Carrier,
     ) -> Watch<T> {
-        let own = match item {
-            Some(Item::Subface(s)) => {
-                let has = |v: [VertexId; 4]| s.iter().all(|own| v.contains(own));
-                closure.cavity().filter(|&t| has(closure.vertices(t))).collect()
-            }
-            _ => Vec::new(),
-        };
+        let is_own = |face: &&Face<T>| item == Some(Item::Subface(face.key));
+        let own = self.faces.iter().filter(is_own).flat_map(Face::inside).collect();
         let split = match carrier {
             Carrier::Segment(s, _) => Some(s),
             _ => None,
@@ -72,19 +67,19 @@ impl<T: Copy + Ord> Survey<T> {
 
     /// Rule (c), but for edges of segment `split`.
     fn watch_edges<B: Bounded<Tet = T>>(&self, closure: &B, split: Option<u32>, any: &mut Vec<T>) {
-        let others = self.edges.iter().filter(|edge| Some(edge.segment) != split);
-        let keys: Vec<[VertexId; 2]> = others.map(|edge| edge.key).collect();
-        if keys.is_empty() {
+        if self.edges.iter().all(|edge| Some(edge.segment) == split) {
             return;
         }
         for t in closure.cavity() {
-            let v = closure.vertices(t);
-            for [i, j] in ENDS {
-                if keys.contains(&edge(v[i], v[j])) {
-                    let beside = (0..4).filter(|&slot| slot != i && slot != j);
-                    any.push(t);
-                    any.extend(beside.filter_map(|slot| closure.beyond(t, slot)));
-                }
+            let (word, v) = (closure.marks(t), closure.vertices(t));
+            let marked = ENDS.into_iter().filter(|&[i, j]| word & edge_bit(i, j) != 0);
+            let is_other = |&[i, j]: &[usize; 2]| {
+                split.is_none() || closure.segment(edge(v[i], v[j])) != split
+            };
+            for [i, j] in marked.filter(is_other) {
+                let beside = (0..4).filter(|&slot| slot != i && slot != j);
+                any.push(t);
+                any.extend(beside.filter_map(|slot| closure.beyond(t, slot)));
             }
         }
     }

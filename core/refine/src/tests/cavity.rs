@@ -63,7 +63,7 @@ fn the_edges_of_a_cavity_are_found_once() {
         for [i, j] in ENDS {
             let p = [0, 1, 2].map(|k| ((v[i][k] + v[j][k]) / 2.0).round());
             let place = Place { p, carrier: Carrier::Free, from: t };
-            let Ok(open) = state.begin_and_look(&place, &mut ltbw_core::cavity::AdmitAll) else {
+            let Ok(open) = state.begin_and_look(&place) else {
                 continue;
             };
             let edges = &open.owner().survey.edges;
