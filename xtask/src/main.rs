@@ -73,7 +73,9 @@ cargo xtask COMMAND
   terminal [N]          on a terminal, no second without output after the first: 3 million points
   pictures              takes the README's pictures of our own pages, with Chromium
   prove                 the proofs of the filters: coqc and gappa
-  model-check [--deep]  the models of verify/models: all states, known-bad variants, loom, shuttle
+  model-check [--deep] [--rest]
+                        the models of verify/models: all states (or what `cargo test` leaves out),
+                        known-bad variants, loom, shuttle
   tsan                  the thread runtime under ThreadSanitizer, and its canary
   coverage              the lines of core and verify that their tests run: at least 95 %
   mutants [predicates|filters|kernel|checker]... [--shard K/N] [-- ARG...]

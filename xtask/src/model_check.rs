@@ -14,16 +14,19 @@ use std::time::Instant;
 /// The parts: the flag that each is built with, if any.
 const PARTS: [Option<&str>; 3] = [None, Some("loom"), Some("shuttle")];
 
-/// Runs the models. `--deep` asks for larger bounds; other `args` go to the test runner.
+/// Runs the models. `--deep` asks for larger bounds; `--rest` leaves out what `cargo test` has run;
+/// other `args` go to the test runner.
 pub(crate) fn run(args: &[String]) -> Result<(), String> {
-    let deep = args.iter().any(|arg| arg == "--deep");
-    let rest: Vec<&String> = args.iter().filter(|arg| *arg != "--deep").collect();
+    let has = |flag: &str| args.iter().any(|arg| arg == flag);
+    let wishes = Wishes { deep: has("--deep"), rest: has("--rest") };
+    let is_other = |arg: &&String| !["--deep", "--rest"].contains(&arg.as_str());
+    let rest: Vec<&String> = args.iter().filter(is_other).collect();
     let start = Instant::now();
     let (mut rows, mut times, mut failed) = (Vec::new(), Vec::new(), Vec::new());
     for part in PARTS {
         let clock = Instant::now();
         let name = part.unwrap_or("states");
-        if let Err(what) = run_part(part, deep, &rest, &mut rows) {
+        if let Err(what) = run_part(part, wishes, &rest, &mut rows) {
             failed.push(format!("{name}: {what}"));
         }
         times.push(format!("{name} {} s", clock.elapsed().as_secs()));
@@ -34,9 +37,16 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     if failed.is_empty() { Ok(()) } else { Err(failed.join("; ")) }
 }
 
+/// The wishes of the arguments.
+#[derive(Clone, Copy)]
+struct Wishes {
+    deep: bool,
+    rest: bool,
+}
+
 fn run_part(
     part: Option<&str>,
-    deep: bool,
+    wishes: Wishes,
     args: &[&String],
     rows: &mut Vec<String>,
 ) -> Result<(), String> {
@@ -46,10 +56,11 @@ fn run_part(
         // With the features of the whole workspace: what its tests have built is not built again.
         command.args(["--workspace", "--test", "models"]);
     } else {
-        command.args(["-p", "ltbw-models", "--tests"]);
+        command.args(["-p", "ltbw-models", "--test", "models"]);
         command.args(["--config", "profile.dev.package.'*'.opt-level=1"]);
     }
-    command.args(["--", "--include-ignored"]).args(args);
+    let is_rest = wishes.rest && part.is_none();
+    command.args(["--", if is_rest { "--ignored" } else { "--include-ignored" }]).args(args);
     if let Some(flag) = part {
         let flags = std::env::var("RUSTFLAGS").unwrap_or_default();
         command
@@ -58,7 +69,7 @@ fn run_part(
             .env("CARGO_PROFILE_DEV_DEBUG", "0")
             .env("CARGO_PROFILE_DEV_OPT_LEVEL", "1");
     }
-    if deep {
+    if wishes.deep {
         command.env("LTBW_DEEP", "1");
     }
     let mut child = command.spawn().map_err(|error| format!("{command:?}: {error}"))?;
