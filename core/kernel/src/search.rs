@@ -22,23 +22,15 @@ pub struct Search {
 
 impl Search {
     /// Finds the cavity of a point in kernel coordinates, which is no vertex, from `start`, which
-    /// has to be in conflict with it. Ends: each tetrahedron enters once.
-    pub fn find(&mut self, mesh: &Mesh, p: &Point, start: TetId) {
-        self.find_unless(mesh, p, start, |_| false);
-    }
-
-    /// Finds the cavity as [`Search::find`] does, unless a tetrahedron of its closure bars that:
-    /// then it gives up, and returns `false`.
-    pub fn find_unless(
-        &mut self,
-        mesh: &Mesh,
-        p: &Point,
-        start: TetId,
-        bars: impl Fn(TetId) -> bool,
-    ) -> bool {
+    /// has to be in conflict with it; gives up where another tetrahedron of the closure is one
+    /// that bars it, and returns `false`. Ends: each tetrahedron enters once.
+    pub fn find<B>(&mut self, mesh: &Mesh, (p, start): (&Point, TetId), bars: B) -> bool
+    where
+        B: Fn(TetId) -> bool,
+    {
         let mut stats = self.stats;
         let mut conflict = SharedConflict::new(&mesh.geometry, p, &mut stats);
-        let tests = self.find_by(mesh.topology(), &mut conflict, start, bars);
+        let tests = self.find_by(mesh.topology(), (&mut conflict, start), bars);
         stats.insphere_calls += tests.unwrap_or(0);
         self.stats = stats;
         tests.is_some()
@@ -47,19 +39,15 @@ impl Search {
     /// Finds the cavity by any test of conflicts, unless its closure is barred. Returns the number
     /// of tests.
     #[inline(always)]
-    pub(crate) fn find_by<C: Conflict>(
+    pub(crate) fn find_by<C: Conflict, B: Fn(TetId) -> bool>(
         &mut self,
         all: &Topology,
-        by: &mut C,
-        t: TetId,
-        bars: impl Fn(TetId) -> bool,
+        (by, t): (&mut C, TetId),
+        bars: B,
     ) -> Option<u64> {
         let Self { tets, set, .. } = self;
         tets.clear();
         set.clear();
-        if bars(t) {
-            return None;
-        }
         tets.push(t);
         set.insert(t);
         let (mut next, mut boundary) = (0, 0);
@@ -138,10 +126,11 @@ mod tests {
                 let around = tets.iter().flat_map(|&t| mesh.topology().tet(t).neighbours());
                 let closure: Vec<TetId> = around.map(tet_of).chain(tets.iter().copied()).collect();
                 for t in mesh.topology().iter().map(|(t, _)| t) {
-                    let is_found = search.find_unless(&mesh, p, tets[0], |other| other == t);
-                    assert_eq!(is_found, !closure.contains(&t), "{kind:?} {p:?} {t:?}");
+                    let is_found = search.find(&mesh, (p, tets[0]), |other| other == t);
+                    let is_barred = t != tets[0] && closure.contains(&t);
+                    assert_eq!(is_found, !is_barred, "{kind:?} {p:?} {t:?}");
                 }
-                search.find(&mesh, p, tets[0]);
+                assert!(search.find(&mesh, (p, tets[0]), |_| false));
                 assert_eq!(search.tets(), tets, "{kind:?} {p:?}");
                 for t in mesh.tet_ids() {
                     assert_eq!(search.has(t), tets.contains(&t), "{kind:?} {p:?}");

@@ -181,7 +181,7 @@ pub struct RefineStats {
     pub rounds: u64,
     /// Rounds that inserted points on segments, on facets, and inside: some did several of these.
     pub rounds_with: [u64; 3],
-    /// Cavities opened whole to choose the points of the rounds.
+    /// Cavities found to choose the points of the rounds.
     pub searches: u64,
     /// Points on the boundary that waited as another one of their round was in their way.
     pub barred: u64,

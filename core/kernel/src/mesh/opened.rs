@@ -23,13 +23,8 @@ impl Mesh {
     /// The cavity of a point, found fast where points are inserted anywhere.
     #[doc(hidden)]
     #[inline]
-    pub fn begin_anywhere<A: Admission>(
-        &mut self,
-        p: Point,
-        from: TetId,
-        admission: &mut A,
-    ) -> Result<OpenCavity<'_, Self>, At> {
-        self.begin_as::<A, true>(p, from, admission)
+    pub fn begin_anywhere(&mut self, p: Point, from: TetId) -> Result<OpenCavity<'_, Self>, At> {
+        self.begin_as::<_, true>(p, from, &mut AdmitAll)
     }
 
     #[inline(always)]

@@ -131,7 +131,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         let Self { topology, geometry, locks, .. } = self;
         let (inner, met) = (geometry.conflict_of(p), Met::default());
         let mut conflict = SubmeshConflict { inner, locks, met, holder: None };
-        let tests = search.find_by(topology, &mut conflict, seed, |_| false);
+        let tests = search.find_by(topology, (&mut conflict, seed), |_| false);
         let Met { blocked, locked, .. } = conflict.met;
         geometry.stats.insphere_calls += tests.unwrap_or(0);
         locked.is_none() && !blocked

@@ -17,7 +17,7 @@ use crate::complex::plc::Plc;
 use crate::heed::Heed;
 use crate::outcome::Reason;
 use crate::table::{Map, Set, sides};
-use ltbw_core::cavity::{AdmitAll, Cavity};
+use ltbw_core::cavity::Cavity;
 use ltbw_core::mesh::{At, Mesh};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_core::transaction::{OpenCavity, Opens};
@@ -129,7 +129,7 @@ impl State {
 
     /// Finds the cavity of a place.
     pub(crate) fn begin(&mut self, place: &Place) -> Result<OpenCavity<'_, Self>, At> {
-        self.mesh.begin_anywhere(place.p, place.from, &mut AdmitAll)?.end(|_| ());
+        self.mesh.begin_anywhere(place.p, place.from)?.end(|_| ());
         Ok(OpenCavity::new(self))
     }
 
@@ -150,7 +150,7 @@ impl State {
         let mut found = Vec::new();
         if cfg!(debug_assertions) {
             let from = self.start_near(place.from);
-            self.mesh.begin_anywhere(place.p, from, &mut AdmitAll)?.end(|_| ());
+            self.mesh.begin_anywhere(place.p, from)?.end(|_| ());
             found = sorted(self.mesh.cavity());
             self.set_back();
         }
@@ -158,7 +158,7 @@ impl State {
         let is_same = again.map(|(open, is_same)| open.end(|_| is_same));
         if is_same.is_none() {
             let from = self.start_near(place.from);
-            self.mesh.begin_anywhere(place.p, from, &mut AdmitAll)?.end(|_| ());
+            self.mesh.begin_anywhere(place.p, from)?.end(|_| ());
         }
         debug_assert_eq!(sorted(self.mesh.cavity()), found, "a point has one cavity");
         Ok((OpenCavity::new(self), is_same == Some(true)))

@@ -37,14 +37,14 @@ impl Prober {
         &'s mut self,
         state: &'s State,
         place: &Place,
-        bars: impl Fn(TetId) -> bool,
+        bars: impl Fn(TetId) -> bool + Copy,
     ) -> Result<Seen<'s>, Unseen> {
         let Self { search, survey } = self;
         let mut corners = state.vertices(place.from).into_iter().filter(|&v| v != INFINITE);
         if corners.any(|v| state.at(v) == place.p) {
             return Err(Unseen::Vertex);
         }
-        if !search.find_unless(&state.mesh, &place.p, place.from, bars) {
+        if bars(place.from) || !search.find(&state.mesh, (&place.p, place.from), bars) {
             return Err(Unseen::Barred);
         }
         let closure = InMesh::found(state, search);
@@ -84,6 +84,8 @@ struct Reserves {
     place: Place,
     /// Its tetrahedra in the list of the batch.
     cavity: Range<usize>,
+    /// May the point be inserted, if no other one is in its way?
+    /// May the point be inserted, if no other one is in its way?
     fits: bool,
     watch: Option<Watch<TetId>>,
     filling: Filling,

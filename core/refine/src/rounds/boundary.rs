@@ -238,6 +238,7 @@ impl Rounds<'_, '_> {
             self.choice.chosen.push(last);
             self.reserve_last();
         } else if let Some(last) = self.choice.candidates.pop() {
+            self.stats.barred += 1;
             self.choice.cavities.truncate(last.cavity.start);
         }
     }

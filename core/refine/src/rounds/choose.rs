@@ -104,7 +104,7 @@ impl Rounds<'_, '_> {
     /// Chooses among the candidates of a round in which some have to be alone, the foremost first:
     /// the slots are reserved anew, by those alone that no earlier one of these has killed. Else
     /// whole chains would wait, each one for the next.
-    pub(super) fn choose_in_turns(&mut self) {
+    fn choose_in_turns(&mut self) {
         self.reserved.start_again();
         let mut turns: Vec<usize> = (0..self.choice.candidates.len()).collect();
         turns.sort_unstable_by_key(|&k| self.choice.candidates[k].rank);
@@ -180,14 +180,18 @@ impl Rounds<'_, '_> {
     /// Is a candidate killed by none before it, and loses no item together with others?
     pub(super) fn survives(&self, k: usize) -> bool {
         let own = &self.choice.candidates[k];
-        let is_killed = matches!(own.item, Item::Tet(t, _) if self.reserved.has_rival(t, own.rank));
+        if matches!(own.item, Item::Tet(t, _) if self.reserved.has_rival(t, own.rank)) {
+            return false;
+        }
         // Without candidates of the boundary it does not matter who else is near.
         let has_boundary = !self.reserved.of_boundary().is_empty();
         let cavity = if has_boundary { self.choice.cavity_of(own) } else { &[] };
         let closure = cavity.iter().flat_map(|&t| self.neighbours(t).into_iter().chain([t]));
         let rival = |t: TetId| self.rival(own, t);
-        let waits = || own.watch.as_ref().is_some_and(|watch| watch.yields(closure, rival));
-        !(is_killed || waits() || self.is_crowded(own))
+        let waits = own.watch.as_ref().is_some_and(|watch| watch.yields(closure, rival));
+        #[cfg(test)]
+        assert_eq!(waits, self.waits_by_the_mesh(own), "rules (b) to (d) for {own:?}");
+        !waits && !self.is_crowded(own)
     }
 }
 

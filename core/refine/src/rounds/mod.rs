@@ -24,6 +24,8 @@ mod resume;
 mod settle;
 mod sliver;
 mod times;
+#[cfg(test)]
+mod twin;
 
 #[doc(hidden)]
 pub use choose::are_joined;
