@@ -84,11 +84,9 @@ struct Reserves {
     place: Place,
     /// Its tetrahedra in the list of the batch.
     cavity: Range<usize>,
-    /// May the point be inserted, if no other one is in its way?
-    /// May the point be inserted, if no other one is in its way?
-    fits: bool,
     watch: Option<Watch<TetId>>,
-    filling: Filling,
+    /// The changes that come with the point, if it fits.
+    filling: Option<Filling>,
 }
 
 /// The findings of some probes, in their order.
@@ -179,9 +177,8 @@ impl Rounds<'_, '_> {
                 rank,
                 place,
                 cavity: start..batch.cavities.len(),
-                fits: filling.is_some(),
                 watch: filling.as_ref().and_then(|_| survey.watch_in_tet(&closure)),
-                filling: filling.unwrap_or_default(),
+                filling,
             });
             return;
         }
@@ -189,8 +186,9 @@ impl Rounds<'_, '_> {
 
     /// Takes over what a batch has found.
     pub(super) fn take_batch(&mut self, batch: Batch) {
-        for Reserves { item, rank, place, cavity, fits, watch, filling } in batch.probed {
+        for Reserves { item, rank, place, cavity, watch, filling } in batch.probed {
             let cavity = self.choice.add_cavity(&batch.cavities[cavity]);
+            let (fits, filling) = (filling.is_some(), filling.unwrap_or_default());
             // A point inside changes nothing but patches. Labels there are a function of the mesh
             // as long as one point at a time changes them.
             let alone = !filling.changes.is_empty();
