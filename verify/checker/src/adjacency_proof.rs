@@ -13,11 +13,11 @@
 //! this maps the faces with a claim `u > t` one to one into those with a claim `u < t`; if the
 //! numbers of both are equal, onto them: the claims are pairs.
 
-use crate::chunks::{Partial, pieces};
+use crate::chunks::{Levels, Partial, pieces};
 use crate::defect::Findings;
 use crate::geometry::Oriented;
 use crate::hull;
-use crate::mesh::{Mesh, NO_NEIGHBOUR, Options, Point, face, split};
+use crate::mesh::{Mesh, NO_NEIGHBOUR, Options, Point, Side, face, split};
 use crate::perturb;
 use crate::predicates::{Sphere, Tally};
 use crate::topology::{self, Hull};
@@ -50,7 +50,8 @@ pub(crate) fn prove(mesh: &Mesh, options: &Options, canonical: bool) -> Option<P
 
     let oriented = Oriented::positive(mesh, totals.volume / 6.0);
     let limit = options.max_defects;
-    let (mut part, ties) = hull::edges(&oriented, facets, &surface.pairs, canonical, limit);
+    let Levels { delaunay: mut part, canonical: ties } =
+        hull::edges(&oriented, facets, &surface.pairs, canonical, limit);
     part.merge(hull::once_around(&oriented, facets, 0, limit));
     let holds = |part: &Partial| part.findings.counts.is_empty() && part.untested == 0;
     if !findings.counts.is_empty() || !holds(&part) || !holds(&ties) {
@@ -126,7 +127,7 @@ impl Totals {
                 return None;
             }
             self.volume += sphere.volume6();
-            while let Some(Joint { apex, .. }) = joints.next_if(|joint| split(joint.code).0 == t) {
+            while let Some(Joint { apex, .. }) = joints.next_if(|joint| split(joint.code).t == t) {
                 let sign = sphere.side(apex, &mut self.delaunay);
                 let tie = sign == 0 && canonical;
                 if sign > 0 || tie && perturb::side(corners, apex, &mut self.canonical) > 0 {
@@ -198,7 +199,7 @@ impl Block {
             joint.back = *claims.get(joint.claim as usize)?;
         }
         for joint in &mut self.joints {
-            let (t, i) = split(joint.code);
+            let Side { t, i } = split(joint.code);
             let j = side_of(t as u32, &joint.back)?;
             if !are_opposite(face(&mesh.tets[t], i), face(&joint.other, j)) {
                 return None;

@@ -270,9 +270,9 @@ impl<'a> Run<'a> {
         let (canonical, limit) = (self.is_full(), self.options.max_defects);
         let inside = geometry::delaunay(oriented, faces, canonical, limit);
         let on_hull = hull::edges(oriented, &faces.hull, &hull.pairs, canonical, limit);
-        for (part, ties) in [inside, on_hull] {
-            self.take(Level::Delaunay, part);
-            self.take(Level::Canonical, ties);
+        for levels in [inside, on_hull] {
+            self.take(Level::Delaunay, levels.delaunay);
+            self.take(Level::Canonical, levels.canonical);
         }
         // The global test presumes all that came before it.
         let sane = Level::ALL[..3].iter().all(|&l| self.findings.count(l) == 0);

@@ -28,12 +28,26 @@ impl Partial {
     }
 
     /// The results of the parts of two levels that are tested together.
-    pub(crate) fn both(parts: Vec<(Self, Self)>, limit: usize) -> (Self, Self) {
-        parts.into_iter().fold((Self::new(limit), Self::new(limit)), |(mut a, mut b), (c, d)| {
-            a.merge(c);
-            b.merge(d);
-            (a, b)
+    pub(crate) fn both(parts: Vec<Levels>, limit: usize) -> Levels {
+        parts.into_iter().fold(Levels::new(limit), |mut all, part| {
+            all.delaunay.merge(part.delaunay);
+            all.canonical.merge(part.canonical);
+            all
         })
+    }
+}
+
+/// The results of two levels that are tested together.
+#[derive(Debug, Clone)]
+pub(crate) struct Levels {
+    pub(crate) delaunay: Partial,
+    /// Of ties: what the perturbation decides.
+    pub(crate) canonical: Partial,
+}
+
+impl Levels {
+    pub(crate) fn new(limit: usize) -> Self {
+        Self { delaunay: Partial::new(limit), canonical: Partial::new(limit) }
     }
 }
 

@@ -8,7 +8,7 @@
 
 use crate::chunks::{Partial, Table, pieces_of};
 use crate::defect::{Findings, Kind};
-use crate::mesh::{Mesh, split};
+use crate::mesh::{Mesh, Side, split};
 use crate::sync::Numbers;
 
 /// No tetrahedron on the other side.
@@ -27,8 +27,8 @@ pub(crate) struct Faces {
 }
 
 impl Faces {
-    /// The other side of face `i` of tetrahedron `t`, as (tetrahedron, face), if there is one.
-    pub(crate) fn other(&self, t: usize, i: usize) -> Option<(usize, usize)> {
+    /// The other side of face `i` of tetrahedron `t`, if there is one.
+    pub(crate) fn other(&self, t: usize, i: usize) -> Option<Side> {
         let code = self.across[4 * t + i];
         (code < NONE).then(|| split(code))
     }
@@ -51,18 +51,20 @@ pub(crate) fn matched(mesh: &Mesh, sound: &mut [bool], limit: usize, out: &mut F
         let mut part = Partial::new(limit);
         let mut duplicates = Vec::new();
         let mut faces = 0u64;
-        let mut bucket: Vec<(u64, u32)> = Vec::new();
+        let mut bucket: Vec<Coded> = Vec::new();
         for v in range {
             bucket.clear();
-            bucket.extend(table.row(v).iter().map(|&code| (other_two(tets, code), code)));
+            bucket.extend(
+                table.row(v).iter().map(|&code| Coded { two: other_two(tets, code), code }),
+            );
             bucket.sort_unstable();
-            for group in bucket.chunk_by_mut(|a, b| a.0 == b.0) {
+            for group in bucket.chunk_by_mut(|a, b| a.two == b.two) {
                 faces += 1;
                 match group {
-                    [(_, code)] => across.set(*code, HULL),
-                    [(_, a), (_, b)] if apex(tets, *a) != apex(tets, *b) => {
-                        across.set(*a, *b);
-                        across.set(*b, *a);
+                    [face] => across.set(face.code, HULL),
+                    [a, b] if apex(tets, a.code) != apex(tets, b.code) => {
+                        across.set(a.code, b.code);
+                        across.set(b.code, a.code);
                     }
                     _ => face_of_many(tets, group, &across, &mut duplicates, &mut part.findings),
                 }
@@ -81,15 +83,23 @@ pub(crate) fn matched(mesh: &Mesh, sound: &mut [bool], limit: usize, out: &mut F
     Faces { across, hull, count }
 }
 
+/// A face of a tetrahedron, in the bucket of its smallest vertex.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Coded {
+    /// Its other two vertices, as [`other_two`] has them.
+    two: u64,
+    code: u32,
+}
+
 /// The vertex of the tetrahedron opposite the face.
 fn apex(tets: &[[u32; 4]], code: u32) -> u32 {
-    let (t, i) = split(code);
+    let Side { t, i } = split(code);
     tets[t][i]
 }
 
 /// The two larger vertices of a face, packed so that equal faces of a bucket are equal numbers.
 fn other_two(tets: &[[u32; 4]], code: u32) -> u64 {
-    let (t, i) = split(code);
+    let Side { t, i } = split(code);
     let [a, b, c] = crate::mesh::face(&tets[t], i);
     let (low, high) = (a.min(b), a.max(b));
     let (middle, high) = (c.min(high).max(low), c.max(high));
@@ -100,19 +110,19 @@ fn other_two(tets: &[[u32; 4]], code: u32) -> u64 {
 /// first counts; each duplicate is reported once, at the face opposite its largest vertex.
 fn face_of_many(
     tets: &[[u32; 4]],
-    group: &mut [(u64, u32)],
+    group: &mut [Coded],
     across: &Numbers,
     duplicates: &mut Vec<u32>,
     out: &mut Findings,
 ) {
-    group.sort_unstable_by_key(|&(_, code)| (apex(tets, code), code));
+    group.sort_unstable_by_key(|face| (apex(tets, face.code), face.code));
     let mut distinct = Vec::new();
-    for same in group.chunk_by(|a, b| apex(tets, a.1) == apex(tets, b.1)) {
-        let first = same[0].1;
+    for same in group.chunk_by(|a, b| apex(tets, a.code) == apex(tets, b.code)) {
+        let first = same[0].code;
         distinct.push(first);
-        let (t, i) = split(first);
+        let Side { t, i } = split(first);
         if tets[t].iter().all(|&v| v <= tets[t][i]) {
-            for &(_, code) in &same[1..] {
+            for &Coded { code, .. } in &same[1..] {
                 out.add(Kind::DuplicateTet, &[t as u32, code >> 2], &tets[t]);
                 duplicates.push(code >> 2);
             }
@@ -127,7 +137,7 @@ fn face_of_many(
         _ => {
             distinct.sort_unstable();
             let owners: Vec<u32> = distinct.iter().map(|c| c >> 2).collect();
-            let (t, i) = split(distinct[0]);
+            let Side { t, i } = split(distinct[0]);
             out.add(Kind::FaceOverused, &owners, &crate::mesh::face(&tets[t], i));
         }
     }

@@ -1,11 +1,11 @@
 //! Levels *orientation*, *Delaunay* and *canonical* inside the mesh: one exact test per
 //! tetrahedron and one per interior face. The hull's part is in `hull.rs`.
 
-use crate::chunks::{Partial, pieces};
+use crate::chunks::{Levels, Partial, pieces};
 use crate::defect::{Findings, Kind};
 use crate::determinant::{det3, differences};
 use crate::faces::Faces;
-use crate::mesh::{Mesh, Point, VertexOrder, face};
+use crate::mesh::{Mesh, Point, Side, VertexOrder, face};
 use crate::perturb;
 use crate::predicates::{Sphere, Tally, insphere, orient3d};
 
@@ -114,13 +114,13 @@ pub(crate) fn orientation(
                 _ => {}
             }
             for i in 0..4 {
-                let Some((u, j)) = faces.other(t, i).filter(|&(u, _)| t < u) else { continue };
-                match fold(mesh, (t, i), (u, j)) {
+                let own = Side { t, i };
+                let Some(other) = faces.other(t, i).filter(|other| t < other.t) else { continue };
+                match fold(mesh, own, other) {
                     None => part.untested += 1,
                     Some(false) => {}
                     Some(true) => {
-                        let ids = face_and_apexes(mesh, (t, i), (u, j));
-                        part.findings.add(Kind::FoldedFace, &[t as u32, u as u32], &ids);
+                        report(&mut part.findings, Kind::FoldedFace, mesh, own, other);
                     }
                 }
             }
@@ -135,62 +135,55 @@ pub(crate) fn orientation(
 /// Whether two neighbours lie in space on the same side of their face; `None` if one is flat.
 /// Both are turned to positive, so they lie on opposite sides exactly if their outward faces
 /// turn opposite ways.
-pub(crate) fn fold(
-    mesh: &Oriented,
-    (t, i): (usize, usize),
-    (u, j): (usize, usize),
-) -> Option<bool> {
-    if mesh.sign(t) == 0 || mesh.sign(u) == 0 {
+pub(crate) fn fold(mesh: &Oriented, one: Side, other: Side) -> Option<bool> {
+    if mesh.sign(one.t) == 0 || mesh.sign(other.t) == 0 {
         return None;
     }
-    let [a, b, c] = mesh.outward(t, i);
-    let other = mesh.outward(u, j);
+    let [a, b, c] = mesh.outward(one.t, one.i);
+    let other = mesh.outward(other.t, other.i);
     Some([[a, b, c], [b, c, a], [c, a, b]].contains(&other))
 }
 
-/// The vertices of the face of `t` opposite place `i`, then both apexes.
-fn face_and_apexes(mesh: &Oriented, (t, i): (usize, usize), (u, j): (usize, usize)) -> [u32; 5] {
-    let [a, b, c] = mesh.outward(t, i);
-    [a, b, c, mesh.mesh.tets[t][i], mesh.mesh.tets[u][j]]
+/// The vertices of a face, then both apexes.
+fn face_and_apexes(mesh: &Oriented, one: Side, other: Side) -> [u32; 5] {
+    let [a, b, c] = mesh.outward(one.t, one.i);
+    let apex = |side: Side| mesh.mesh.tets[side.t][side.i];
+    [a, b, c, apex(one), apex(other)]
 }
 
 /// Tests every interior face: exactly locally Delaunay, and, if `canonical`, with ties as the
-/// perturbation has them. The second result belongs to the level *canonical*.
-pub(crate) fn delaunay(
-    mesh: &Oriented,
-    faces: &Faces,
-    canonical: bool,
-    limit: usize,
-) -> (Partial, Partial) {
+/// perturbation has them.
+pub(crate) fn delaunay(mesh: &Oriented, faces: &Faces, canonical: bool, limit: usize) -> Levels {
     let parts = pieces(mesh.mesh.tets.len(), |range| {
-        let (mut part, mut ties) = (Partial::new(limit), Partial::new(limit));
+        let Levels { delaunay: mut part, canonical: mut ties } = Levels::new(limit);
         for t in range {
             let corners = mesh.positive_tet(t).map(|v| mesh.mesh.points.get(v as usize));
             let [Some(a), Some(b), Some(c), Some(d)] = corners else { continue };
             let sphere = Sphere::new([a, b, c, d]);
             for i in 0..4 {
-                let Some((u, j)) = faces.other(t, i).filter(|&(u, _)| t < u) else { continue };
-                if fold(mesh, (t, i), (u, j)) != Some(false) {
+                let own = Side { t, i };
+                let Some(other) = faces.other(t, i).filter(|other| t < other.t) else { continue };
+                if fold(mesh, own, other) != Some(false) {
                     part.untested += 1;
                     ties.untested += 1;
                     continue;
                 }
-                let apex = mesh.mesh.tets[u][j];
+                let apex = mesh.mesh.tets[other.t][other.i];
                 let sign = sphere.side(mesh.at(apex), &mut part.tally);
                 if sign > 0 {
-                    report(&mut part.findings, Kind::NotDelaunay, mesh, (t, i), (u, j));
+                    report(&mut part.findings, Kind::NotDelaunay, mesh, own, other);
                 }
                 let tie = sign == 0 && canonical;
                 if tie && perturb::side([a, b, c, d], mesh.at(apex), &mut ties.tally) > 0 {
-                    report(&mut ties.findings, Kind::NotCanonical, mesh, (t, i), (u, j));
+                    report(&mut ties.findings, Kind::NotCanonical, mesh, own, other);
                 }
             }
         }
-        (part, ties)
+        Levels { delaunay: part, canonical: ties }
     });
     Partial::both(parts, limit)
 }
 
-fn report(out: &mut Findings, kind: Kind, mesh: &Oriented, t: (usize, usize), u: (usize, usize)) {
-    out.add(kind, &[t.0 as u32, u.0 as u32], &face_and_apexes(mesh, t, u));
+fn report(out: &mut Findings, kind: Kind, mesh: &Oriented, one: Side, other: Side) {
+    out.add(kind, &[one.t as u32, other.t as u32], &face_and_apexes(mesh, one, other));
 }

@@ -22,31 +22,31 @@
 //! the first test needs the four vertices of the tetrahedron on the inner side and not all of
 //! them on the plane; the second is exact in big integers behind a filter.
 
-use crate::chunks::{Partial, pieces};
+use crate::chunks::{Levels, Partial, pieces};
 use crate::defect::Kind;
 use crate::determinant::{det3, differences};
 use crate::exact::{big, big_sign, lowest_bit};
 use crate::geometry::Oriented;
-use crate::mesh::{Point, split};
+use crate::mesh::{Point, Side, split};
 use crate::perturb;
 use crate::predicates::{orient3d, sign_beyond};
 use crate::topology::HullPair;
 use num_bigint::BigInt;
 
-/// Tests every edge of the hull. The second result belongs to the level *canonical*.
+/// Tests every edge of the hull.
 pub(crate) fn edges(
     mesh: &Oriented,
     facets: &[u32],
     pairs: &[HullPair],
     canonical: bool,
     limit: usize,
-) -> (Partial, Partial) {
+) -> Levels {
     let parts = pieces(pairs.len(), |range| {
-        let (mut part, mut ties) = (Partial::new(limit), Partial::new(limit));
+        let mut levels = Levels::new(limit);
         for pair in &pairs[range] {
-            edge(mesh, facets, pair, canonical, &mut part, &mut ties);
+            edge(mesh, facets, pair, canonical, &mut levels);
         }
-        (part, ties)
+        levels
     });
     Partial::both(parts, limit)
 }
@@ -56,10 +56,9 @@ fn edge(
     facets: &[u32],
     &[(g, gk), (h, hk)]: &HullPair,
     canonical: bool,
-    part: &mut Partial,
-    ties: &mut Partial,
+    Levels { delaunay: part, canonical: ties }: &mut Levels,
 ) {
-    let ((t, i), (u, j)) = (split(facets[g]), split(facets[h]));
+    let (Side { t, i }, Side { t: u, i: j }) = (split(facets[g]), split(facets[h]));
     if mesh.sign(t) == 0 || mesh.sign(u) == 0 {
         part.untested += 1;
         ties.untested += 1;
@@ -116,7 +115,7 @@ pub(crate) fn once_around(mesh: &Oriented, facets: &[u32], inner: usize, limit: 
     let mut out = Partial::new(limit);
     let Some(&first) = facets.first() else { return out };
     let outward = |code: u32| {
-        let (t, i) = split(code);
+        let Side { t, i } = split(code);
         mesh.outward(t, i)
     };
     let corners = mesh.mesh.tets[inner].map(|v| mesh.at(v));

@@ -114,7 +114,23 @@ pub(crate) fn face(tet: &[u32; 4], i: usize) -> [u32; 3] {
     OUTWARD[i].map(|k| tet[k])
 }
 
+impl Side {
+    /// The code of the face.
+    pub(crate) fn code(self) -> u32 {
+        (4 * self.t + self.i) as u32
+    }
+}
+
+/// A face of a tetrahedron.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Side {
+    /// The tetrahedron.
+    pub(crate) t: usize,
+    /// The place of the vertex opposite the face.
+    pub(crate) i: usize,
+}
+
 /// Splits a face code `4 * tet + face`.
-pub(crate) fn split(code: u32) -> (usize, usize) {
-    ((code >> 2) as usize, (code & 3) as usize)
+pub(crate) fn split(code: u32) -> Side {
+    Side { t: (code >> 2) as usize, i: (code & 3) as usize }
 }

@@ -15,7 +15,7 @@
 use crate::chunks::{Partial, Table, pieces, pieces_of};
 use crate::defect::{Findings, Kind};
 use crate::faces::{Faces, HULL};
-use crate::mesh::{Mesh, NO_NEIGHBOUR, VertexOrder, face, split};
+use crate::mesh::{Mesh, NO_NEIGHBOUR, Side, VertexOrder, face, split};
 use crate::structure::Sound;
 use rayon::prelude::*;
 
@@ -54,7 +54,7 @@ pub(crate) fn neighbours(
             for i in 0..4 {
                 let outer = face(&mesh.tets[t], i);
                 let other = faces.other(t, i);
-                if let Some((u, j)) = other
+                if let Some(Side { t: u, i: j }) = other
                     && order == VertexOrder::Oriented
                     && t < u
                     && is_rotation(outer, face(&mesh.tets[u], j))
@@ -63,7 +63,7 @@ pub(crate) fn neighbours(
                 }
                 let Some(claimed) = claimed.map(|n| n[t][i]) else { continue };
                 let real = match (other, faces.across[4 * t + i]) {
-                    (Some((u, _)), _) => u as u32,
+                    (Some(other), _) => other.t as u32,
                     (None, HULL) => NO_NEIGHBOUR,
                     (None, _) => {
                         part.untested += 1; // a face of three tetrahedra has no one neighbour
@@ -119,7 +119,7 @@ pub(crate) fn claimed_hull(mesh: &Mesh, facets: &[u32], out: &mut Findings) {
 
 /// The vertices of a face by its code, outward if its tetrahedron is positive.
 fn facet(mesh: &Mesh, code: u32) -> [u32; 3] {
-    let (t, i) = split(code);
+    let Side { t, i } = split(code);
     face(&mesh.tets[t], i)
 }
 
@@ -154,8 +154,8 @@ impl Sets {
 pub(crate) fn components(mesh: &Mesh, faces: &Faces, sound: &[bool], out: &mut Findings) -> usize {
     let mut sets = Sets::new(mesh.tets.len());
     for t in 0..mesh.tets.len() {
-        for (u, _) in (0..4).filter_map(|i| faces.other(t, i)).filter(|&(u, _)| t < u) {
-            sets.join(t as u32, u as u32);
+        for other in (0..4).filter_map(|i| faces.other(t, i)).filter(|other| t < other.t) {
+            sets.join(t as u32, other.t as u32);
         }
     }
     let mut count = 0;
@@ -245,11 +245,11 @@ pub(crate) fn links(mesh: &Mesh, faces: &Faces, sound: &[bool], limit: usize) ->
     let length = mesh.points.len().div_ceil(4 * rayon::current_num_threads()).max(1 << 12);
     let parts = pieces_of(length, mesh.points.len(), |range| {
         let mut part = Partial::new(limit);
-        let mut marks = vec![u32::MAX; mesh.points.len()];
-        let mut scratch = Scratch::default();
+        let marks = vec![u32::MAX; mesh.points.len()];
+        let mut scratch = Scratch { marks, ..Scratch::default() };
         let mut ends = 0u64;
         for v in range.filter(|&v| !star.row(v).is_empty()) {
-            let link = Link::of(mesh, faces, star.row(v), v as u32, &mut marks, &mut scratch);
+            let link = Link::of(mesh, faces, star.row(v), v as u32, &mut scratch);
             ends += link.vertices as u64;
             if !link.is_ball() {
                 let owners: Vec<u32> = star.row(v).iter().map(|c| c >> 2).collect();
@@ -269,6 +269,8 @@ pub(crate) fn links(mesh: &Mesh, faces: &Faces, sound: &[bool], limit: usize) ->
 
 #[derive(Default)]
 struct Scratch {
+    /// By vertex: the last one whose link it was found in.
+    marks: Vec<u32>,
     reached: Vec<bool>,
     stack: Vec<usize>,
 }
@@ -284,14 +286,7 @@ struct Link {
 
 impl Link {
     /// The link of `v`, whose corners are `star` (codes `4 * tet + position of v`, ascending).
-    fn of(
-        mesh: &Mesh,
-        faces: &Faces,
-        star: &[u32],
-        v: u32,
-        marks: &mut [u32],
-        scratch: &mut Scratch,
-    ) -> Self {
+    fn of(mesh: &Mesh, faces: &Faces, star: &[u32], v: u32, scratch: &mut Scratch) -> Self {
         let (mut vertices, mut border, mut reached) = (0, 0, 1);
         scratch.reached.clear();
         scratch.reached.resize(star.len(), false);
@@ -299,10 +294,12 @@ impl Link {
         scratch.stack.push(0);
         // Each corner is pushed once.
         while let Some(corner) = scratch.stack.pop() {
-            let (t, k) = split(star[corner]);
+            let Side { t, i: k } = split(star[corner]);
             for i in (0..4).filter(|&i| i != k) {
-                let Some((u, _)) = faces.other(t, i) else { continue };
-                let Ok(next) = star.binary_search_by_key(&(u as u32), |c| c >> 2) else { continue };
+                let Some(other) = faces.other(t, i) else { continue };
+                let Ok(next) = star.binary_search_by_key(&(other.t as u32), |c| c >> 2) else {
+                    continue;
+                };
                 if !scratch.reached[next] {
                     scratch.reached[next] = true;
                     reached += 1;
@@ -311,9 +308,9 @@ impl Link {
             }
         }
         for &corner in star {
-            let (t, k) = split(corner);
+            let Side { t, i: k } = split(corner);
             for i in (0..4).filter(|&i| i != k) {
-                let mark = &mut marks[mesh.tets[t][i] as usize];
+                let mark = &mut scratch.marks[mesh.tets[t][i] as usize];
                 vertices += usize::from(*mark != v);
                 *mark = v;
                 border += usize::from(faces.other(t, i).is_none());

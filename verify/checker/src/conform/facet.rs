@@ -1,6 +1,6 @@
 //! A facet of the domain and the faces of the mesh that tile it, in the plane.
 
-use super::outline::{Flat, signed_area};
+use super::outline::{Flat, Weighted, signed_area};
 use super::slab::{big_dot, cross, minus};
 use super::tree::{Shape, Tree, bounds};
 use super::whole::{Whole, twice_area};
@@ -69,12 +69,13 @@ impl FlatFacet {
 
     /// The polygons, each with its change inside: 1 if the facet begins at its outline, -1 if it
     /// ends there, 0 if neither. Polygons may be nested but must not cross.
-    pub(crate) fn weighted(&self) -> impl Iterator<Item = (&[Flat], i8)> {
+    pub(crate) fn weighted(&self) -> impl Iterator<Item = Weighted<'_>> {
         let weights = match (self.polygons.len(), self.holes.len()) {
             (1, 0) => vec![1],
             _ => self.weights(),
         };
-        self.polygons.iter().map(Vec::as_slice).zip(weights)
+        let weighted = |(polygon, weight)| Weighted { polygon, weight };
+        self.polygons.iter().map(Vec::as_slice).zip(weights).map(weighted)
     }
 
     /// The weights of many polygons. Cost: n log n, and what pairs of polygons cost of which one is
@@ -116,7 +117,7 @@ impl FlatFacet {
 
     /// Twice the area of the projection, in the units of [`FlatFacet::area_of`].
     pub(crate) fn area(&self) -> BigInt {
-        let area = |(polygon, weight): (&[Flat], i8)| {
+        let area = |Weighted { polygon, weight }: Weighted<'_>| {
             let area = signed_area(polygon);
             (if area < BigInt::ZERO { -area } else { area }) * weight
         };

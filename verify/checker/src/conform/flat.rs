@@ -10,7 +10,7 @@
 //! normals, shortened to 52 bits. Polygons of one plane are no patch, nor those that edges connect
 //! to an edge of an odd number of polygons.
 
-use super::patch::Patch;
+use super::patch::{Cast, Patch};
 use super::slab::{Slab, big_dot, dot, minus};
 use super::whole::{Units, Whole};
 use super::{Plc, edge};
@@ -126,15 +126,16 @@ pub(crate) fn find(plc: &Plc, corners: &[Whole]) -> Option<Vec<Patch>> {
             (plane, list) = (fitted, larger);
         }
         taken[first as usize] = true;
-        list.iter().for_each(|&(f, _)| taken[f as usize] = true);
+        list.iter().for_each(|of| taken[of.facet as usize] = true);
         let own = Plane { normal, origin };
         let corner = |v: &u32| own.height(&at[*v as usize]) == BigInt::ZERO;
-        if !list.iter().flat_map(|&(f, _)| ring(f)).all(corner) {
-            let rings: Vec<&Vec<u32>> = list.iter().map(|&(f, _)| ring(f)).collect();
-            let facets = list.iter().map(|&(f, _)| f).collect();
+        if !list.iter().flat_map(|of| ring(of.facet)).all(corner) {
+            let rings: Vec<&Vec<u32>> = list.iter().map(|of| ring(of.facet)).collect();
+            let facets = list.iter().map(|of| of.facet).collect();
             let least = ring(first).iter().map(|&v| corners[v as usize]).min();
             let origin = least.unwrap_or_default();
-            patches.push(Patch::new(facets, plane.axis(), (plane.normal, origin), &rings, corners));
+            let cast = Cast { axis: plane.axis(), normal: plane.normal, origin };
+            patches.push(Patch::new(facets, cast, &rings, corners));
         }
     }
     Some(patches)
@@ -172,6 +173,14 @@ fn shortened(sum: [BigInt; 3]) -> Whole {
     })
 }
 
+/// A facet of a patch.
+#[derive(Clone, Copy)]
+struct Member {
+    facet: u32,
+    /// Is its normal opposite to that of the first one?
+    turned: bool,
+}
+
 /// The search for the polygons of a patch.
 struct Spread<'s> {
     plc: &'s Plc,
@@ -193,8 +202,8 @@ impl Spread<'_> {
     }
 
     /// The sum of the normals.
-    fn sum(&self, list: &[(u32, bool)]) -> [BigInt; 3] {
-        let normals = || list.iter().filter_map(|&(f, turned)| self.normal(f, turned));
+    fn sum(&self, list: &[Member]) -> [BigInt; 3] {
+        let normals = || list.iter().filter_map(|of| self.normal(of.facet, of.turned));
         [0, 1, 2].map(|k| normals().map(|n| BigInt::from(n[k])).sum())
     }
 
@@ -218,16 +227,17 @@ impl Spread<'_> {
             && (near || low())
     }
 
-    /// The facets of the patch of `plane` and a first facet, and whether they are turned.
-    fn from(&self, first: u32, plane: &Plane, slab: &Slab) -> Vec<(u32, bool)> {
+    /// The facets of the patch of `plane` and a first facet.
+    fn from(&self, first: u32, plane: &Plane, slab: &Slab) -> Vec<Member> {
         let start = self.normal(first, false);
         if !start.is_some_and(|n| self.joins(first, &n, plane, slab)) {
             return Vec::new();
         }
-        let mut list = vec![(first, false)];
-        let mut seen = HashSet::from([first]);
-        let mut queue = VecDeque::from([(first, false)]);
-        while let Some((f, turned)) = queue.pop_front() {
+        let first = Member { facet: first, turned: false };
+        let mut list = vec![first];
+        let mut seen = HashSet::from([first.facet]);
+        let mut queue = VecDeque::from([first]);
+        while let Some(Member { facet: f, turned }) = queue.pop_front() {
             let own = self.ring(f);
             for k in 0..own.len() {
                 let ends = [own[k], own[(k + 1) % own.len()]];
@@ -248,8 +258,8 @@ impl Spread<'_> {
                 let Some(n) = self.normal(g, turned) else { continue };
                 if self.joins(g, &n, plane, slab) {
                     seen.insert(g);
-                    list.push((g, turned));
-                    queue.push_back((g, turned));
+                    list.push(Member { facet: g, turned });
+                    queue.push_back(Member { facet: g, turned });
                 }
             }
         }

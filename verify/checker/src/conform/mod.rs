@@ -40,12 +40,13 @@ use crate::chunks::pieces;
 use crate::defect::{Findings, Level};
 use crate::faces::{self, Faces};
 use crate::geometry;
-use crate::mesh::{Mesh, Options, Point, face};
+use crate::mesh::{Mesh, Options, Point, Side, face};
 use crate::structure;
 use exterior::Exterior;
 use facet::FlatFacet;
 pub use finding::{Conformity, ConformityDefect, Finding, Limits};
 use num_bigint::BigInt;
+use patch::InUnits;
 use place::{groups, holds};
 pub use plc::{Plc, PlcFacet};
 use std::collections::{HashMap, HashSet};
@@ -84,7 +85,8 @@ pub fn conforms(
     let seeds = run.seeds(&units, &points);
     run.numbers(&cells, &seeds, tags.filter(|_| options.numbered_regions));
     run.volume(&units, &points);
-    run.bounds(&units, &points, limits, (&cells, &seeds), &on_patches);
+    let regions = Regions { cells: &cells, seeds: &seeds };
+    run.bounds(&units, &points, limits, regions, &on_patches);
     run.out
 }
 
@@ -95,6 +97,15 @@ struct Run<'a> {
     exterior: Exterior,
     limit: usize,
     out: Conformity,
+}
+
+/// The components of a mesh between facets.
+#[derive(Clone, Copy)]
+struct Regions<'a> {
+    /// That of each tetrahedron.
+    cells: &'a [u32],
+    /// A tetrahedron of each region.
+    seeds: &'a [Option<usize>],
 }
 
 /// An edge, its ends ascending.
@@ -123,8 +134,8 @@ impl Run<'_> {
             let (oriented, mut tally) = geometry::signs(mesh, &sound.tet);
             let order = options.vertex_order;
             let part = geometry::orientation(&oriented, &found, &sound.tet, order, limit);
-            let (delaunay, _) = geometry::delaunay(&oriented, &found, false, limit);
-            for part in [part, delaunay] {
+            let levels = geometry::delaunay(&oriented, &found, false, limit);
+            for part in [part, levels.delaunay] {
                 tally.merge(part.tally);
                 findings.merge(part.findings);
             }
@@ -183,14 +194,15 @@ impl Run<'_> {
         }
         let outline = self.edges(&corners, points, &tree, &groups);
         let mut codes = self.tiles(&flat, points, faces, &on, &groups);
-        let on = self.patches(&patches, units, points, faces, &on, &outline, tags, &mut codes);
+        let mesh = InUnits { units, points, faces, tags };
+        let on = self.patches(&patches, &mesh, &on, &outline, &mut codes);
         (codes, on)
     }
 
     /// Every face of one tetrahedron is on a facet.
     fn hull(&mut self, faces: &Faces, on_facets: &HashSet<u32>) {
         for &code in faces.hull.iter().filter(|code| !on_facets.contains(code)) {
-            let (t, i) = crate::mesh::split(code);
+            let Side { t, i } = crate::mesh::split(code);
             let [a, b, c] = face(&self.mesh.tets[t], i);
             self.add(ConformityDefect::HullFaceOffFacet, &[t as u32, a, b, c]);
         }
@@ -210,7 +222,7 @@ impl Run<'_> {
             let mut stack = vec![first];
             while let Some(t) = stack.pop() {
                 for i in 0..4 {
-                    let Some((u, _)) = faces.other(t, i) else { continue };
+                    let Some(Side { t: u, .. }) = faces.other(t, i) else { continue };
                     if on_facets.contains(&((4 * t + i) as u32)) {
                         continue;
                     }
@@ -278,9 +290,10 @@ impl Run<'_> {
         units: &Units,
         points: &[Whole],
         limits: &Limits,
-        (cells, seeds): (&[u32], &[Option<usize>]),
+        regions: Regions<'_>,
         on_patches: &[Vec<u32>],
     ) {
+        let Regions { cells, seeds } = regions;
         let own = |bound: &Option<f64>, seed: &Option<usize>| {
             Some((cells[(*seed)?], units.cubic(bound.filter(|&b| b > 0.0)?)))
         };

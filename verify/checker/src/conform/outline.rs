@@ -89,11 +89,25 @@ pub(crate) fn signed_area(polygon: &[Flat]) -> BigInt {
         .sum()
 }
 
+/// A polygon, and the weight of what is in it.
+#[derive(Clone, Copy)]
+pub(crate) struct Weighted<'a> {
+    pub(crate) polygon: &'a [Flat],
+    pub(crate) weight: i8,
+}
+
+impl<'a> Weighted<'a> {
+    /// A polygon that counts once.
+    pub(crate) fn once(polygon: &'a [Flat]) -> Self {
+        Self { polygon, weight: 1 }
+    }
+}
+
 impl Outline {
-    /// The outline of polygons, each with its weight.
-    pub(crate) fn new<'a>(polygons: impl Iterator<Item = (&'a [Flat], i8)>) -> Self {
+    /// The outline of polygons.
+    pub(crate) fn new<'a>(polygons: impl Iterator<Item = Weighted<'a>>) -> Self {
         let mut edges: Vec<Edge> = Vec::new();
-        for (polygon, weight) in polygons {
+        for Weighted { polygon, weight } in polygons {
             let is_turned = signed_area(polygon) < BigInt::ZERO;
             let up = if is_turned { -i64::from(weight) } else { i64::from(weight) };
             for (k, &a) in polygon.iter().enumerate() {
@@ -211,7 +225,9 @@ mod tests {
     }
 
     fn agree(polygons: &[(Vec<Flat>, i8)]) {
-        let outline = Outline::new(polygons.iter().map(|(p, w)| (&p[..], *w)));
+        let outline = Outline::new(
+            polygons.iter().map(|(polygon, weight)| Weighted { polygon, weight: *weight }),
+        );
         for x in -3..60 {
             for y in -5..40 {
                 let inside = polygons.iter().filter(|(p, _)| encloses(p, [x, y]));
@@ -240,7 +256,7 @@ mod tests {
         }
         agree(&triangles);
         let far: Vec<Flat> = vec![[-(3 << 60), -(3 << 60)], [3 << 60, 0], [5, 3 << 60]];
-        let outline = Outline::new(vec![&far[..]; 20].into_iter().map(|p| (p, 1)));
+        let outline = Outline::new(vec![&far[..]; 20].into_iter().map(Weighted::once));
         assert_eq!(outline.weight_at([0, 0], &mut 0), 20);
         assert_eq!(outline.weight_at([3 << 60, 1], &mut 0), 0);
     }
@@ -248,7 +264,7 @@ mod tests {
     #[test]
     fn edges_that_cross_are_no_trouble() {
         let star: Vec<Flat> = (0..40).map(|k| [k * 17 % 41, k * 29 % 37]).collect();
-        let outline = Outline::new([(&star[..], 1)].into_iter());
+        let outline = Outline::new([Weighted::once(&star)].into_iter());
         let sum: i64 = (0..40).map(|x| outline.weight_at([x, x], &mut 0)).sum();
         assert!(sum.abs() <= 40 * 40);
     }
@@ -257,7 +273,7 @@ mod tests {
     fn a_point_takes_few_steps_on_a_comb_of_many_teeth() {
         for (teeth, most) in [(1 << 8, 200), (1 << 12, 300)] {
             for lean in [0, 3] {
-                let outline = Outline::new([(&comb(teeth, lean)[..], 1)].into_iter());
+                let outline = Outline::new([Weighted::once(&comb(teeth, lean))].into_iter());
                 let mut steps = 0;
                 let at = |k: i128| [k * 9 % teeth, k % 20];
                 let inside = (0..100).filter(|&k| outline.weight_at(at(k), &mut steps) > 0);

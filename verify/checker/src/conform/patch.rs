@@ -4,14 +4,22 @@
 //! corners in the slab, all turn the same way in the projection, have the polygons' area, and form
 //! a surface whose edges are of two of them, but for those of the patch's outline.
 
-use super::outline::{Flat, Outline, signed_area};
+use super::outline::{Flat, Outline, Weighted, signed_area};
 use super::slab::{Slab, big_dot, minus};
 use super::whole::{Units, Whole, twice_area};
 use super::{ConformityDefect, Run, edge};
 use crate::faces::Faces;
-use crate::mesh::face;
+use crate::mesh::{Side, face};
 use num_bigint::BigInt;
 use std::collections::{HashMap, HashSet};
+
+/// A plane, and the axis along which it is projected.
+#[derive(Clone, Copy)]
+pub(crate) struct Cast {
+    pub(crate) axis: usize,
+    pub(crate) normal: Whole,
+    pub(crate) origin: Whole,
+}
 
 /// A patch.
 #[derive(Debug)]
@@ -32,17 +40,17 @@ pub(crate) struct Patch {
 impl Patch {
     pub(crate) fn new(
         facets: Vec<u32>,
-        axis: usize,
-        (normal, origin): (Whole, Whole),
+        plane: Cast,
         rings: &[&Vec<u32>],
         corners: &[Whole],
     ) -> Self {
+        let Cast { axis, normal, origin } = plane;
         let axes = [(axis + 1) % 3, (axis + 2) % 3];
         let flat = |ring: &&Vec<u32>| -> Vec<Flat> {
             ring.iter().map(|&v| axes.map(|k| 3 * corners[v as usize][k])).collect()
         };
         let rings: Vec<Vec<Flat>> = rings.iter().map(flat).collect();
-        let outline = Outline::new(rings.iter().map(|ring| (&ring[..], 1)));
+        let outline = Outline::new(rings.iter().map(|ring| Weighted::once(ring)));
         let area = |ring: &Vec<Flat>| {
             let area = signed_area(ring);
             if area < BigInt::ZERO { -area } else { area }
@@ -84,6 +92,15 @@ fn big_to_f64(n: &BigInt) -> f64 {
     n.to_string().parse().unwrap_or(f64::INFINITY)
 }
 
+/// A mesh in units of its own, its faces, and the tags of its tetrahedra.
+#[derive(Clone, Copy)]
+pub(crate) struct InUnits<'a> {
+    pub(crate) units: &'a Units,
+    pub(crate) points: &'a [Whole],
+    pub(crate) faces: &'a Faces,
+    pub(crate) tags: Option<&'a [i64]>,
+}
+
 /// The tiles of one patch.
 #[derive(Default)]
 struct Tiles {
@@ -101,18 +118,15 @@ impl Run<'_> {
     /// facets in whose planes it is; `outline`: the edges of the mesh on edges of the domain.
     ///
     /// Returns per vertex the patches that it is on.
-    #[expect(clippy::too_many_arguments, reason = "what the checks before it have found")]
     pub(crate) fn patches(
         &mut self,
         patches: &[Patch],
-        units: &Units,
-        points: &[Whole],
-        faces: &Faces,
+        mesh: &InUnits<'_>,
         on: &[Vec<u32>],
         outline: &HashSet<[u32; 2]>,
-        tags: Option<&[i64]>,
         codes: &mut HashSet<u32>,
     ) -> Vec<Vec<u32>> {
+        let InUnits { units, points, faces, tags } = *mesh;
         let mut of = vec![u32::MAX; self.plc.facets.len()];
         for (k, patch) in (0u32..).zip(patches) {
             patch.facets.iter().for_each(|&f| of[f as usize] = k);
@@ -140,7 +154,7 @@ impl Run<'_> {
                 }
                 let other = faces.other(t, i);
                 // Between two tags the face is looked at from the higher one.
-                if other.is_some_and(|(u, _)| tag(t) <= tag(u)) {
+                if other.is_some_and(|other| tag(t) <= tag(other.t)) {
                     continue;
                 }
                 let [a, b, c] = corners.map(|v| &on[v as usize]);
@@ -163,7 +177,7 @@ impl Run<'_> {
                     }
                     self.out.subfaces += 1;
                     codes.insert((4 * t + i) as u32);
-                    codes.extend(other.map(|(u, j)| (4 * u + j) as u32));
+                    codes.extend(other.map(Side::code));
                 }
             }
         }

@@ -6,7 +6,7 @@ use super::whole::Whole;
 use super::{ConformityDefect, Run};
 use crate::chunks::pieces;
 use crate::faces::Faces;
-use crate::mesh::face;
+use crate::mesh::{Side, face};
 use num_bigint::BigInt;
 use std::collections::HashSet;
 
@@ -69,7 +69,7 @@ impl Run<'_> {
                 let corners = face(&self.mesh.tets[t], i);
                 let other = faces.other(t, i);
                 // An interior face is looked at from one side.
-                if other.is_some_and(|(u, _)| u < t) {
+                if other.is_some_and(|other| other.t < t) {
                     continue;
                 }
                 let [a, b, c] = corners.map(|v| &on[v as usize]);
@@ -86,7 +86,7 @@ impl Run<'_> {
                 if is_tile {
                     found.subfaces += 1;
                     found.codes.push((4 * t + i) as u32);
-                    found.codes.extend(other.map(|(u, j)| (4 * u + j) as u32));
+                    found.codes.extend(other.map(Side::code));
                 }
             }
             found

@@ -41,6 +41,7 @@ use crate::chunks::{Partial, pieces};
 use crate::defect::Kind;
 use crate::faces::Faces;
 use crate::geometry::{Oriented, fold};
+use crate::mesh::Side;
 use crate::perturb::order;
 use crate::predicates::Tally;
 use pairs::{Found, Item, Search};
@@ -70,7 +71,7 @@ fn free_faces(mesh: &Oriented, faces: &Faces) -> Vec<Item> {
         for t in range.filter(|&t| mesh.sign(t) != 0) {
             for i in 0..4 {
                 let other = faces.other(t, i);
-                if other.is_none_or(|u| fold(mesh, (t, i), u) != Some(false)) {
+                if other.is_none_or(|other| fold(mesh, Side { t, i }, other) != Some(false)) {
                     let [a, b, c] = mesh.outward(t, i);
                     let apex = Some(mesh.mesh.tets[t][i]);
                     free.push(Item { corners: [a, b, c, a], owner: t as u32, apex });
