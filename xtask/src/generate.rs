@@ -10,7 +10,7 @@ use std::process::Stdio;
 
 /// Writes every generated file.
 pub(crate) fn run() -> Result<(), String> {
-    for (path, text) in files()? {
+    for Generated { path, text } in files()? {
         let full = root().join(&path);
         if fs::read_to_string(&full).is_ok_and(|old| old == text) {
             continue;
@@ -24,8 +24,15 @@ pub(crate) fn run() -> Result<(), String> {
     Ok(())
 }
 
-/// Every generated file: its path in the workspace, and its text.
-pub(crate) fn files() -> Result<Vec<(PathBuf, String)>, String> {
+/// A generated file.
+pub(crate) struct Generated {
+    /// Its path in the workspace.
+    pub(crate) path: PathBuf,
+    pub(crate) text: String,
+}
+
+/// Every generated file.
+pub(crate) fn files() -> Result<Vec<Generated>, String> {
     let rust = formatted(&predicates::rust::file()?)?;
     let spheres = formatted(&predicates::spheres::rust())?;
     let mut files: Vec<(PathBuf, String)> = vec![
@@ -37,7 +44,7 @@ pub(crate) fn files() -> Result<Vec<(PathBuf, String)>, String> {
     let folder = PathBuf::from("verify/proofs/gappa");
     let scripts = predicates::gappa::files()?;
     files.extend(scripts.into_iter().map(|(name, text)| (folder.join(name), text)));
-    Ok(files)
+    Ok(files.into_iter().map(|(path, text)| Generated { path, text }).collect())
 }
 
 /// Compares every generated file with what `read` finds at its path. Returns how many there are.
@@ -45,10 +52,10 @@ pub(crate) fn files() -> Result<Vec<(PathBuf, String)>, String> {
 /// # Errors
 /// The first line that is another one: somebody has changed it by hand.
 pub(crate) fn compare(
-    files: &[(PathBuf, String)],
+    files: &[Generated],
     read: impl Fn(&Path) -> std::io::Result<String>,
 ) -> Result<usize, String> {
-    for (path, text) in files {
+    for Generated { path, text } in files {
         let name = path.display();
         let found = read(path).map_err(|error| format!("{name}: {error}"))?;
         if found != *text {
@@ -91,7 +98,7 @@ fn formatted(source: &str) -> Result<String, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{checked_in, compare, files};
+    use super::{Generated, checked_in, compare, files};
     use std::path::Path;
 
     #[test]
@@ -115,7 +122,7 @@ mod tests {
     fn a_constant_lowered_by_hand_is_found() {
         let files = files().expect("the descriptions are sound");
         let mut constants = 0;
-        for (path, text) in &files {
+        for Generated { path, text } in &files {
             for (k, line) in text.lines().enumerate() {
                 let Some(other) = lowered(line) else { continue };
                 constants += 1;

@@ -72,22 +72,29 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Files of the working tree that git tracks or would: path and text.
-fn here() -> Result<Vec<(String, String)>, String> {
+/// A Rust source.
+struct Source {
+    path: String,
+    text: String,
+}
+
+/// Files of the working tree that git tracks or would.
+fn here() -> Result<Vec<Source>, String> {
     let names = git(&["ls-files", "--cached", "--others", "--exclude-standard", "*.rs"])?;
     let read = |name: &str| {
         let text = std::fs::read_to_string(crate::shell::root().join(name)).ok()?;
-        Some((name.to_owned(), text))
+        Some(Source { path: name.to_owned(), text })
     };
     // A file that is deleted, but not yet for git, has no lines.
     Ok(names.lines().filter_map(read).collect())
 }
 
-/// Files of a commit: path and text.
-fn at(commit: &str) -> Result<Vec<(String, String)>, String> {
+/// Files of a commit.
+fn at(commit: &str) -> Result<Vec<Source>, String> {
     let names = git(&["ls-tree", "-r", "--name-only", "--end-of-options", commit])?;
     let rust = names.lines().filter(|name| name.ends_with(".rs"));
-    rust.map(|name| Ok((name.to_owned(), git(&["show", &format!("{commit}:{name}")])?))).collect()
+    let shown = |name: &str| git(&["show", &format!("{commit}:{name}")]);
+    rust.map(|name| Ok(Source { path: name.to_owned(), text: shown(name)? })).collect()
 }
 
 /// The text that git prints.
@@ -100,9 +107,9 @@ fn git(args: &[&str]) -> Result<String, String> {
 }
 
 /// Counts by folder, with sums named `= refinement` and `= all`.
-fn count(files: &[(String, String)]) -> Counts {
+fn count(files: &[Source]) -> Counts {
     let mut counts = Counts::new();
-    for (path, text) in files {
+    for Source { path, text } in files {
         let count = Count::of(path, text);
         let folder = path.rsplit_once('/').map_or("", |(folder, _)| folder);
         let mut add = |name: &str| *counts.entry(name.to_owned()).or_default() += count;
@@ -163,7 +170,7 @@ mod tests {
 
     #[test]
     fn folders_are_summed_and_refinement_is_found_by_name() {
-        let file = |path: &str| (path.to_owned(), "fn f() {}\n".to_owned());
+        let file = |path: &str| Source { path: path.to_owned(), text: "fn f() {}\n".to_owned() };
         let files = ["a/src/refine/x.rs", "a/src/refine.rs", "b/refining/y/z.rs", "a/src/w.rs"];
         let counts = count(&files.map(file));
         assert_eq!(counts["= all"].code, 4);

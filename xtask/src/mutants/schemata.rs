@@ -167,7 +167,7 @@ fn schemata(source: &str, changes: &[Change]) -> Result<String, String> {
             };
             if let Some(copy) = copy {
                 used[k] = true;
-                copies.push((k + 1, copy));
+                copies.push(Copied { number: k + 1, text: copy });
             }
         }
         text.push_str(&switch(&body.join("\n"), &copies)?);
@@ -190,8 +190,15 @@ fn constant<'a>(lines: &[&'a str], change: &Change) -> Option<(&'a str, String)>
     Some((name, changed.split_once("= ")?.1.trim_end_matches(';').to_string()))
 }
 
-/// A function, its copies by their numbers, and the switch between them under its name.
-fn switch(function: &str, copies: &[(usize, String)]) -> Result<String, String> {
+/// A changed copy of a function.
+struct Copied {
+    /// The number of the change.
+    number: usize,
+    text: String,
+}
+
+/// A function, its copies, and the switch between them under its name.
+fn switch(function: &str, copies: &[Copied]) -> Result<String, String> {
     let parts = || {
         let (head, _) = function.split_once('{')?;
         let (before, rest) = head.split_once('(')?;
@@ -210,13 +217,13 @@ fn switch(function: &str, copies: &[(usize, String)]) -> Result<String, String> 
     let passed = passed.join(", ");
     let mut text = format!("{before}({}) -> {result} {{\n", parameters.join(", "));
     text.push_str("    match *MUTANT {\n");
-    for (n, _) in copies {
+    for Copied { number: n, .. } in copies {
         text.push_str(&format!("        {n} => {name}_{n}({passed}),\n"));
     }
     text.push_str(&format!("        _ => {name}_0({passed}),\n    }}\n}}\n"));
     text.push_str(&format!("{}\n", numbered(0, function)));
-    for (n, copy) in copies {
-        text.push_str(&format!("{}\n", numbered(*n, copy)));
+    for Copied { number, text: copy } in copies {
+        text.push_str(&format!("{}\n", numbered(*number, copy)));
     }
     Ok(text)
 }
