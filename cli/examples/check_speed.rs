@@ -10,7 +10,7 @@
 #[path = "../src/lists.rs"]
 mod lists;
 
-use lists::lists;
+use lists::{Lists, lists};
 use ltbw::{Builder, PointSet};
 use ltbw_generate::{PointKind, generate};
 use ltbw_verify as verify;
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mesh = one.install(|| Builder::new().build(&set))?.mesh;
         let build = clock.elapsed().as_secs_f64();
 
-        let (tets, neighbours) = lists(&mesh);
+        let Lists { tets, neighbours } = lists(&mesh);
         let hull: Vec<[u32; 3]> = mesh.hull_facets().collect();
         drop(mesh);
         let bare = verify::Mesh::new(set.points(), &tets);

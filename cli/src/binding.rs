@@ -98,11 +98,18 @@ impl Chosen {
     }
 }
 
-/// The hash of a list of options: names and texts, by name, each on a line.
-pub(crate) fn options_hash<'a>(options: impl Iterator<Item = (&'a str, &'a str)>) -> String {
-    let mut all: Vec<(&str, &str)> = options.collect();
+/// An option that was chosen, and its value as text.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Setting<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) value: &'a str,
+}
+
+/// The hash of a list of options: by name, each on a line.
+pub(crate) fn options_hash<'a>(options: impl Iterator<Item = Setting<'a>>) -> String {
+    let mut all: Vec<Setting<'_>> = options.collect();
     all.sort_unstable();
-    let lines = all.iter().fold(OPTIONS.to_owned(), |mut text, (name, value)| {
+    let lines = all.iter().fold(OPTIONS.to_owned(), |mut text, Setting { name, value }| {
         let _ = writeln!(text, "{name} {value}");
         text
     });
@@ -124,7 +131,9 @@ impl Binding {
             "mesh": hash,
             "inputs": self.inputs,
             "options": options,
-            "options_sha256": options_hash(options.iter().map(|(name, text)| (*name, &**text))),
+            "options_sha256": options_hash(
+                options.iter().map(|(name, value)| Setting { name, value })
+            ),
         });
     }
 }

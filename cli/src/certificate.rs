@@ -1,7 +1,7 @@
 //! `check --certificate`: is this the mesh that a report certifies, of this input?
 
 use crate::args::Check;
-use crate::binding::{options_hash, sha256};
+use crate::binding::{Setting, options_hash, sha256};
 use crate::conform::without_exterior;
 use crate::console;
 use crate::outcome::{Exit, Failure, show};
@@ -102,7 +102,8 @@ fn compare_mesh(
 fn compare_options(certificate: &Value, found: &mut Vec<String>) {
     let binding = &certificate["binding"];
     let listed = binding["options"].as_object().into_iter().flatten();
-    let listed = listed.map(|(name, value)| (name.as_str(), value.as_str().unwrap_or_default()));
+    let listed =
+        listed.map(|(name, value)| Setting { name, value: value.as_str().unwrap_or_default() });
     let hash = options_hash(listed);
     if binding["options_sha256"] != hash.as_str() {
         let told = &binding["options_sha256"];

@@ -50,7 +50,8 @@ pub(crate) fn json(refined: &Refined) -> Value {
 /// The excused for people: how many where, the first reasons with their places, and what would help
 /// where the share is over `limit`.
 pub(crate) fn text(
-    (refined, ready): (&Refined, &Prepared),
+    refined: &Refined,
+    ready: &Prepared,
     radius_edge: Option<f64>,
     limit: f64,
 ) -> String {
@@ -72,7 +73,7 @@ pub(crate) fn text(
         first.iter().map(|e| format!("{} for {}{}", e.tets, e.reason, place(ready, e))).collect();
     let more = all.len() - first.len();
     let more = if more > 0 { format!(", and {more} more reasons") } else { String::new() };
-    let mut help = remedies((refined, ready), first, radius_edge);
+    let mut help = remedies(refined, ready, first, radius_edge);
     let least = rounded_up(share.largest());
     if !share.is_within(limit) && least <= ExcusedShare::LARGEST {
         help.push(format!("--excused-share {least} lets it pass"));

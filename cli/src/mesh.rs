@@ -153,7 +153,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         return finish_unrecovered(job, &refined, &inside, report);
     }
     if task.check != Depth::Off && refined.outcome != RefineOutcome::Cancelled {
-        match check(job, (&refined, ready), &inside, &mut report) {
+        match check(job, &refined, ready, &inside, &mut report) {
             Some(verdict) => judged.verdict = verdict,
             None => return Ok(task.refuse(&mut report)),
         }
@@ -182,7 +182,8 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
 /// it has a defect that no excuse explains.
 fn check(
     job: &Job<'_>,
-    (refined, ready): (&Refined, &Prepared),
+    refined: &Refined,
+    ready: &Prepared,
     inside: &TetMesh,
     report: &mut Report,
 ) -> Option<String> {
@@ -245,7 +246,7 @@ fn refined(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> 
     if let Some(count) = job.max_points {
         refiner = refiner.max_points(count);
     }
-    refine((&refiner, ready), job.crew, (job.task.stop, job.task.name))
+    refine(&refiner, ready, job.crew, job.task.stop, job.task.name)
 }
 
 /// Tells in a last line what is over a bound, if anything is.
@@ -261,7 +262,7 @@ fn ending(job: &Job<'_>, refined: &Refined, ready: &Prepared) -> Exit {
             return Exit::Stopped;
         }
     };
-    let text = excused::text((refined, ready), job.asked.radius_edge, job.excused_share);
+    let text = excused::text(refined, ready, job.asked.radius_edge, job.excused_share);
     console::people(&format!("ltbw: {word}: {text}"));
     exit
 }

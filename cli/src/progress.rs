@@ -1,7 +1,7 @@
 //! Progress on stderr: a bar or a spinner on a terminal for what takes over a second, lines of JSON
 //! with `--progress json`, and otherwise nothing. It has no colours, whatever `NO_COLOR` says.
 
-use crate::sync::{Counts, Due, Flag};
+use crate::sync::{Counted, Counts, Due, Flag};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use ltbw::Observer;
 use serde_json::json;
@@ -122,7 +122,7 @@ fn spin(name: &str, shown: &Shown) {
     bar.tick();
     while !wait(TICK) {
         let now = shown.counts.get();
-        if let Some((done, total)) = now {
+        if let Some(Counted { done, total }) = now {
             if counted.is_none() {
                 bar.finish_and_clear();
                 bar = self::bar(&template(name, now), total);
@@ -144,11 +144,13 @@ fn bar(template: &str, total: Option<u64>) -> ProgressBar {
 }
 
 /// The contents of a bar: nothing is counted at first, and refinement does not know its end.
-fn template(name: &str, counts: Option<(u64, Option<u64>)>) -> String {
+fn template(name: &str, counts: Option<Counted>) -> String {
     match counts {
         None => format!("{name} {{spinner}} {{elapsed}}"),
-        Some((_, None)) => format!("{name} {{spinner}} {{human_pos}} points in {{elapsed}}"),
-        Some((_, Some(_))) => {
+        Some(Counted { total: None, .. }) => {
+            format!("{name} {{spinner}} {{human_pos}} points in {{elapsed}}")
+        }
+        Some(Counted { total: Some(_), .. }) => {
             format!("{name} {{bar:40}} {{human_pos}} of {{human_len}} points, {{eta}} left")
         }
     }
@@ -211,15 +213,15 @@ impl Observer for Progress<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Flag, PATIENCE, Progress, Stage, patience, template};
+    use super::{Counted, Flag, PATIENCE, Progress, Stage, patience, template};
     use ltbw::{Observer as _, Phase};
     use std::sync::Arc;
     use std::time::Duration;
 
     #[test]
     fn a_total_that_is_not_known_is_not_told() {
-        let (known, unknown) =
-            (template("insert", Some((1, Some(1000)))), template("insert", Some((1, None))));
+        let of = |total| template("insert", Some(Counted { done: 1, total }));
+        let (known, unknown) = (of(Some(1000)), of(None));
         assert!(known.contains("{human_len}") && known.contains("{eta}"));
         assert!(!unknown.contains("{human_len}") && !unknown.contains("{eta}"));
         assert!(unknown.contains("{human_pos}") && !template("x", None).contains("{human_pos}"));
@@ -252,9 +254,9 @@ mod tests {
         assert_eq!(counts(), None);
         let now = |done, total| ltbw::Progress { phase: Phase::Insert, done, total };
         progress.progress(now(3, Some(9)));
-        assert_eq!(counts(), Some((3, Some(9))));
+        assert_eq!(counts(), Some(Counted { done: 3, total: Some(9) }));
         progress.progress(now(4, None));
-        assert_eq!(counts(), Some((4, None)));
+        assert_eq!(counts(), Some(Counted { done: 4, total: None }));
         progress.progress(ltbw::Progress { phase: Phase::Gather, done: 9, total: Some(9) });
         assert_eq!(shown(), ("gather", None));
     }

@@ -20,7 +20,8 @@ pub(crate) fn vertices(reason: &Reason) -> Vec<u32> {
 
 /// Options that would help at these places.
 pub(crate) fn remedies(
-    (refined, ready): (&Refined, &Prepared),
+    refined: &Refined,
+    ready: &Prepared,
     places: &[Excused],
     radius_edge: Option<f64>,
 ) -> Vec<String> {

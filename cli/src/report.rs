@@ -57,17 +57,30 @@ impl Report {
     }
 }
 
+/// The seconds of a stage.
+pub(crate) struct Spent {
+    pub(crate) stage: &'static str,
+    pub(crate) time: f64,
+}
+
+/// A report, and the file for it.
+pub(crate) struct Written<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) text: serde_json::Result<String>,
+}
+
 /// Ends a command: tells the seconds in all and of its stages, writes the report to its file and
 /// prints the mesh's hash.
 pub(crate) fn end(
-    (total, stages): (f64, &[(&str, f64)]),
-    report: Option<(&Path, serde_json::Result<String>)>,
+    total: f64,
+    stages: &[Spent],
+    report: Option<Written<'_>>,
     hash: Option<&String>,
 ) -> Result<(), Failure> {
-    let stages = stages.iter().map(|&(stage, time)| format!("{stage} {}", seconds(time)));
+    let stages = stages.iter().map(|spent| format!("{} {}", spent.stage, seconds(spent.time)));
     let stages: Vec<String> = stages.collect();
     console::people(&format!("seconds   {}: {}", seconds(total), stages.join(", ")));
-    if let Some((path, text)) = report {
+    if let Some(Written { path, text }) = report {
         write_json(path, &text.map_err(|e| Failure::Other(e.to_string()))?)?;
     }
     hash.map_or(Ok(()), |hash| console::data(&format!("ltbw.mesh/1 {hash}\n")))

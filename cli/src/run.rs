@@ -5,7 +5,7 @@ use crate::binding::{Binding, Chosen};
 use crate::check::check_own;
 use crate::console::{self, Stop};
 use crate::figures::{Doing, Figures, Run, SPANS, tables, write_trace};
-use crate::lists::lists;
+use crate::lists::{Lists, lists};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{self, Scene};
 use crate::pieces::part_of;
@@ -130,8 +130,10 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
     let to_check = outcome == Outcome::Complete && task.check != Depth::Off;
     // The input's own coordinates, under the input's numbers.
     let clock = Instant::now();
-    let (tets, neighbours) =
-        if to_check { lists(&mesh) } else { (mesh.tets().collect(), Vec::new()) };
+    let Lists { tets, neighbours } = match to_check {
+        true => lists(&mesh),
+        false => Lists { tets: mesh.tets().collect(), neighbours: Vec::new() },
+    };
     let hull: Vec<[u32; 3]> = mesh.hull_facets().collect();
     drop(mesh);
     let mut judged = Judged::unseen(None);
@@ -228,7 +230,7 @@ fn report_of(built: &Built, points: usize, job: &Job<'_>) -> Report {
         points,
         distinct: mesh.num_vertices(),
         duplicates: duplicates.len(),
-        duplicate_of: duplicates.clone(),
+        duplicate_of: duplicates.iter().map(|&duplicate| duplicate.into()).collect(),
     };
     let mut report = job.task.report(input, "complete");
     report.seconds.read = job.read_seconds;

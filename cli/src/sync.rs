@@ -73,6 +73,14 @@ pub(crate) struct Counts {
     total: AtomicU64,
 }
 
+/// Points that were counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Counted {
+    pub(crate) done: u64,
+    /// The number of all, if it is known.
+    pub(crate) total: Option<u64>,
+}
+
 /// Stands for a number that there is not.
 const NONE: u64 = u64::MAX;
 
@@ -91,10 +99,10 @@ impl Counts {
     }
 
     /// The numbers set last, if any were.
-    pub(crate) fn get(&self) -> Option<(u64, Option<u64>)> {
+    pub(crate) fn get(&self) -> Option<Counted> {
         let known =
             |number: &AtomicU64| Some(number.load(Ordering::Relaxed)).filter(|n| *n != NONE);
-        Some((known(&self.done)?, known(&self.total)))
+        Some(Counted { done: known(&self.done)?, total: known(&self.total) })
     }
 }
 

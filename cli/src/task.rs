@@ -8,11 +8,13 @@ use crate::json::{distinct, file_writable, keep_input, without_pairs, write_text
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
 use crate::progress::Stage;
-use crate::report::{Input, MeshPart, Predicates, Report, Seconds, end, peak_rss_bytes};
+use crate::report::{
+    Input, MeshPart, Predicates, Report, Seconds, Spent, Written, end, peak_rss_bytes,
+};
 use crate::streams::{Formats, Streams, attributes_note, name_of, on_stdout};
 use ltbw::TetMesh;
 use ltbw::io::{self, MeshWriter};
-use ltbw::quality::Quality;
+use ltbw::quality::{Array, Quality};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -118,9 +120,11 @@ impl Task<'_> {
             None => vec![("order", s.order), ("insert", s.insert)],
         };
         let after = [("hash", s.hash), ("check", s.check), ("write", s.write)];
-        let stages = [&[("read", s.read)][..], &made, &after].concat();
+        let stages = [("read", s.read)].into_iter().chain(made).chain(after);
+        let stages: Vec<Spent> = stages.map(|(stage, time)| Spent { stage, time }).collect();
         let hash = report.mesh.hash.as_ref().filter(|_| !self.outputs.are_on_stdout);
-        end((s.total, &stages), self.json.map(|path| (path, report.to_json())), hash)
+        let written = self.json.map(|path| Written { path, text: report.to_json() });
+        end(s.total, &stages, written, hash)
     }
 
     /// Ends the task with a defect in the mesh: it is not written, the report is.
@@ -133,11 +137,11 @@ impl Task<'_> {
         Exit::OwnDefect
     }
 
-    /// Writes the mesh, with a value for each tetrahedron under every name, and its parts.
+    /// Writes the mesh, with figures of the tetrahedra, and its parts.
     pub(crate) fn write(
         &self,
         mesh: &TetMesh,
-        values: impl FnOnce() -> Vec<(&'static str, Vec<f64>)>,
+        values: impl FnOnce() -> Vec<Array>,
         parts: impl FnOnce() -> Vec<TetMesh>,
         report: &mut Report,
     ) -> Result<(), Failure> {

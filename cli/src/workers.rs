@@ -41,9 +41,11 @@ pub(crate) struct Crew {
 
 /// Refines a prepared domain, by a crew if there is one.
 pub(crate) fn refine(
-    (refiner, ready): (&Refiner<'_>, &Prepared),
+    refiner: &Refiner<'_>,
+    ready: &Prepared,
     crew: Option<Crew>,
-    (stop, name): (&Stop, &Path),
+    stop: &Stop,
+    name: &Path,
 ) -> Result<(Refined, Made), Failure> {
     let failed = |error| Failure::Refine { path: name.to_owned(), error };
     let whole = (&ready.domain, &ready.lattice);

@@ -8,7 +8,7 @@ use ltbw::balance::Balance;
 use ltbw::threads::Parallel;
 use ltbw::{Builder, CancelToken, Outcome, Phase, PointSet, Progress};
 use ltbw_core::cavity::AdmitAll;
-use ltbw_core::mesh::lanes::{Chosen, Follow, Lanes, View};
+use ltbw_core::mesh::lanes::{Batch, Chosen, Follow, Lanes, View};
 use ltbw_core::topology::{FaceId, TetId, VertexId};
 use ltbw_generate::{PointKind, generate};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -100,9 +100,10 @@ fn lanes(points: usize) -> Result<u32, Failure> {
                 cavity: &cavities[k],
                 is_fixed: k.is_multiple_of(3),
             };
-            let (number, all) = (mesh.num_vertices() as u32, (list.len(), &chosen));
+            let number = mesh.num_vertices() as u32;
+            let batch = Batch { number, count: list.len(), chosen: &chosen };
             let mut own = vec![0; many];
-            let (first, put_off) = mesh.fill_in_lanes(&mut memory, number, all, &follow, &mut own);
+            let (first, put_off) = mesh.fill_in_lanes(&mut memory, batch, &follow, &mut own);
             filled += own.iter().filter(|&&count| count > 0).count();
             for k in put_off {
                 let from = mesh.hint();

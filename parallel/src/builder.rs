@@ -6,7 +6,8 @@ use crate::sync::Mutex;
 use crate::threads::{PAUSE, Parallel, Run, RunError, WorkerStats};
 use ltbw_core::build::Builder as Sequential;
 use ltbw_core::{
-    Budget, BuildError, CancelToken, Mesh, Observer, Order, Outcome, Phase, Progress, Stats, Vertex,
+    Budget, BuildError, CancelToken, Duplicate, Mesh, Observer, Order, Outcome, Phase, Progress,
+    Stats, Vertex,
 };
 use ltbw_exact::PointSet;
 use std::fmt;
@@ -81,8 +82,8 @@ pub struct Built {
     /// Figures of the build. With several threads the seconds of the order are those before the
     /// workers start, and the seconds of the insertion those until the mesh is one.
     pub stats: Stats,
-    /// Input indices of duplicates met, each with the index of the vertex kept; ascending.
-    pub duplicates: Vec<(Vertex, Vertex)>,
+    /// Duplicates met, by input indices, ascending.
+    pub duplicates: Vec<Duplicate>,
     /// Figures by worker; empty if one thread inserted.
     pub workers: Vec<WorkerStats>,
     /// The figures of the workers' time, if [`Builder::measure`] asked for them.

@@ -29,8 +29,17 @@ struct Inbox<M> {
     arrived: Condvar,
 }
 
+/// A message that has arrived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Received<M> {
+    /// Its sender.
+    pub from: WorkerId,
+    /// The message.
+    pub message: M,
+}
+
 struct State<M> {
-    messages: Vec<(WorkerId, M)>,
+    messages: Vec<Received<M>>,
     /// The owner sleeps, or is about to within this critical section.
     parked: bool,
     /// A worker that has failed.
@@ -76,7 +85,7 @@ pub struct Endpoint<M, C: Rules = Correct> {
     me: WorkerId,
     inboxes: Arc<Vec<Inbox<M>>>,
     /// By receiver: messages not handed over yet.
-    unsent: Vec<Vec<(WorkerId, M)>>,
+    unsent: Vec<Vec<Received<M>>>,
     /// Receivers with unsent messages.
     dirty: Vec<WorkerId>,
     failed: Option<WorkerId>,
@@ -125,7 +134,7 @@ impl<M, C: Rules> Endpoint<M, C> {
         if batch.is_empty() {
             self.dirty.push(to);
         }
-        batch.push((self.me, message));
+        batch.push(Received { from: self.me, message });
     }
 
     /// Hands over all messages sent since the last time.
@@ -142,9 +151,9 @@ impl<M, C: Rules> Endpoint<M, C> {
         }
     }
 
-    /// Moves all messages that have arrived to the end of `into`, with their senders; returns how
-    /// many. Never waits.
-    pub fn try_take(&mut self, into: &mut Vec<(WorkerId, M)>) -> usize {
+    /// Moves all messages that have arrived to the end of `into`; returns how many. Never
+    /// waits.
+    pub fn try_take(&mut self, into: &mut Vec<Received<M>>) -> usize {
         let before = into.len();
         let mut state = self.inboxes[self.me.index()].lock();
         if into.is_empty() {
@@ -211,7 +220,7 @@ impl<M, C: Rules> Drop for Endpoint<M, C> {
 
 #[cfg(all(test, not(any(loom, shuttle))))]
 mod tests {
-    use super::{Endpoint, connect};
+    use super::{Endpoint, Received, connect};
     use crate::protocol::WorkerId;
     use std::thread;
     use std::time::Duration;
@@ -228,13 +237,14 @@ mod tests {
         ends[2].send(WorkerId::default(), 9);
         ends[2].flush();
         assert_eq!(ends[0].try_take(&mut taken), 6);
+        let received = |(from, message)| Received { from: WorkerId::new(from), message };
         let sent = [(1, 0), (1, 1), (1, 2), (1, 3), (1, 4), (2, 9)];
-        assert_eq!(taken, sent.map(|(from, number)| (WorkerId::new(from), number)));
+        assert_eq!(taken, sent.map(received));
         ends[1].send(WorkerId::default(), 7);
         ends[1].flush();
         ends[0].wait();
         assert_eq!(ends[0].try_take(&mut taken), 1, "taken is not empty: appended");
-        assert_eq!(taken.last(), Some(&(WorkerId::new(1), 7)));
+        assert_eq!(taken.last(), Some(&received((1, 7))));
     }
 
     /// Every thread sends `ROUNDS` numbers to every other, and sleeps whenever it has nothing.
@@ -256,8 +266,8 @@ mod tests {
                 while next.iter().sum::<u32>() < (WORKERS - 1) * round {
                     end.wait();
                     assert!(end.try_take(&mut taken) > 0);
-                    for (from, number) in taken.drain(..) {
-                        assert_eq!(next[from.index()], number);
+                    for Received { from, message } in taken.drain(..) {
+                        assert_eq!(next[from.index()], message);
                         next[from.index()] += 1;
                     }
                 }

@@ -1,6 +1,6 @@
 //! The way of a worker thread's messages: one trait, so that a worker cannot tell what is behind.
 
-use crate::mailbox::Endpoint;
+use crate::mailbox::{Endpoint, Received};
 use crate::protocol::{Message, Rules, Submesh, WorkerId};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -23,8 +23,8 @@ pub trait Transport<M> {
     /// Lets go of all messages sent.
     fn flush(&mut self);
 
-    /// Moves all messages that have arrived to the end of `into`, with their senders. Never waits.
-    fn take(&mut self, into: &mut Vec<(WorkerId, M)>);
+    /// Moves all messages that have arrived to the end of `into`. Never waits.
+    fn take(&mut self, into: &mut Vec<Received<M>>);
 
     /// Flushes, then waits until a message may be there, a worker has failed, or the time is over.
     fn wait(&mut self, timeout: Option<Duration>);
@@ -45,7 +45,7 @@ impl<M, C: Rules> Transport<M> for Endpoint<M, C> {
         Endpoint::flush(self);
     }
 
-    fn take(&mut self, into: &mut Vec<(WorkerId, M)>) {
+    fn take(&mut self, into: &mut Vec<Received<M>>) {
         self.try_take(into);
     }
 
@@ -67,44 +67,49 @@ impl<M, C: Rules> Transport<M> for Endpoint<M, C> {
 
 /// Threads with an injected latency: every message arrives that much after it was sent.
 pub struct Delayed<M> {
-    inner: Endpoint<(Instant, M)>,
+    inner: Endpoint<Stamped<M>>,
     latency: Duration,
-    /// Messages under way here, in the order of their arrival.
-    under_way: VecDeque<(Instant, WorkerId, M)>,
-    taken: Vec<(WorkerId, (Instant, M))>,
+    /// Messages under way here, in the order of their arrival, and when they are due.
+    under_way: VecDeque<(Instant, Received<M>)>,
+    taken: Vec<Received<Stamped<M>>>,
+}
+
+/// A message that tells when it was sent.
+#[derive(Debug)]
+pub struct Stamped<M> {
+    sent: Instant,
+    message: M,
 }
 
 impl<M> Delayed<M> {
     /// Delays what arrives at `inner` by `latency`.
-    pub fn new(inner: Endpoint<(Instant, M)>, latency: Duration) -> Self {
+    pub fn new(inner: Endpoint<Stamped<M>>, latency: Duration) -> Self {
         Self { inner, latency, under_way: VecDeque::new(), taken: Vec::new() }
     }
 
     fn receive(&mut self) {
         self.inner.try_take(&mut self.taken);
-        for (from, (sent, message)) in self.taken.drain(..) {
-            self.under_way.push_back((sent + self.latency, from, message));
+        for Received { from, message: Stamped { sent, message } } in self.taken.drain(..) {
+            self.under_way.push_back((sent + self.latency, Received { from, message }));
         }
     }
 }
 
 impl<M> Transport<M> for Delayed<M> {
     fn send(&mut self, to: WorkerId, message: M) {
-        self.inner.send(to, (Instant::now(), message));
+        self.inner.send(to, Stamped { sent: Instant::now(), message });
     }
 
     fn flush(&mut self) {
         self.inner.flush();
     }
 
-    fn take(&mut self, into: &mut Vec<(WorkerId, M)>) {
+    fn take(&mut self, into: &mut Vec<Received<M>>) {
         self.receive();
         let now = Instant::now();
         // A message that is due later holds up those behind it: the order is kept.
         while self.under_way.front().is_some_and(|(due, ..)| *due <= now) {
-            if let Some((_, from, message)) = self.under_way.pop_front() {
-                into.push((from, message));
-            }
+            into.extend(self.under_way.pop_front().map(|(_, received)| received));
         }
     }
 

@@ -114,7 +114,7 @@ impl Meshed {
     /// Duplicates, each with the vertex at its place.
     #[must_use]
     pub fn duplicates(&self) -> Vec<[u32; 2]> {
-        self.body.mesh().duplicates().iter().map(|&(a, b)| [a, b]).collect()
+        self.body.mesh().duplicates().iter().map(|d| [d.number, d.kept]).collect()
     }
 
     /// Boundary triangles of a domain; none of a point set.

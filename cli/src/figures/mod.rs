@@ -84,7 +84,7 @@ impl Figures {
             lt: s.lt(),
             lt_strict: s.lt_strict(),
             worst: Worst {
-                worker: s.extremes_of_tolerance().map_or(0, |(worst, _)| worst.worker.number()),
+                worker: s.extremes_of_tolerance().map_or(0, |of| of.least.worker.number()),
                 lt: s.worst_lt(),
                 lt_strict: s.worst_lt_strict(),
             },

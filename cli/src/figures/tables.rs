@@ -1,6 +1,8 @@
 //! The figures of a parallel run as the paper's tables, beside the paper's own.
 
-use ltbw::metrics::{Cavities, CavityTimes, Polls, Summary, Times, WorkerFigures, tolerance};
+use ltbw::metrics::{
+    Cavities, CavityTimes, Extremes, Polls, Summary, Times, WorkerFigures, tolerance,
+};
 use ltbw::simulate::{CostModel, Whole};
 use std::fmt::Write;
 
@@ -72,7 +74,7 @@ fn headline(text: &mut String, s: &Summary, run: &Run) {
     );
     line!(text, "{:<44}{:>12}{:>10}{:>8}", "", "this run", "paper 8M", "16M");
     let mut row = |name: &str, ours: String, paper| headline_row(text, name, &ours, paper);
-    let worst = s.extremes_of_tolerance().map(|(worst, _)| worst.worker.to_string());
+    let worst = s.extremes_of_tolerance().map(|of| of.least.worker.to_string());
     let name = format!("latency tolerance LT, worst worker ({})", worst.unwrap_or("-".to_owned()));
     row(&name, tolerance(s.worst_lt()), ["0.96", "0.94"]);
     row("LT, all workers", tolerance(s.lt()), ["-"; 2]);
@@ -130,7 +132,7 @@ fn table_iii(text: &mut String, s: &Summary) {
 
 /// The workers that tolerate latency worst and best, as the paper has it.
 fn table_iv(text: &mut String, s: &Summary) {
-    let Some((worst, best)) = s.extremes_of_tolerance() else { return };
+    let Some(Extremes { least: worst, most: best }) = s.extremes_of_tolerance() else { return };
     line!(
         text,
         "\nTable IV: cavities completed by the workers of lowest and highest LT, and by all"
@@ -153,7 +155,7 @@ fn table_iv(text: &mut String, s: &Summary) {
 
 /// The worker of the lowest LT, as the paper has it.
 fn table_v(text: &mut String, s: &Summary) {
-    let Some((worst, best)) = s.extremes_of_tolerance() else { return };
+    let Some(Extremes { least: worst, most: best }) = s.extremes_of_tolerance() else { return };
     line!(text, "\nTable V: time of the workers of lowest and highest LT, and of all");
     let of = |w: &WorkerFigures| w.worker.to_string();
     columns(text, &["worker", &of(worst), &of(best), "all"], ["paper 8M", "paper 16M"]);
@@ -179,7 +181,7 @@ fn table_v(text: &mut String, s: &Summary) {
 
 /// The workers with the smallest and the largest share of useful polling, as the paper has it.
 fn table_vi(text: &mut String, s: &Summary) {
-    let Some((least, most)) = s.extremes_of_polling() else { return };
+    let Some(Extremes { least, most }) = s.extremes_of_polling() else { return };
     line!(
         text,
         "\nTable VI: polls of the workers with the least and the most useful ones, by time"

@@ -6,6 +6,7 @@ mod timeline;
 use crate::picture::histograms::{self, number};
 use crate::report::Report;
 use ltbw::quality::Quality;
+use scene::Encoded;
 pub(crate) use scene::Scene;
 pub(crate) use timeline::timeline;
 
@@ -28,15 +29,15 @@ impl Page {
 
     /// A view of a mesh, to be turned and cut.
     pub(crate) fn view(mut self, scene: &Scene<'_>) -> Self {
-        let (head, data) = scene.encode();
-        let values = [("head", &*head), ("data", &data), ("script", VIEW_SCRIPT)];
-        self.sections += &filled(VIEW, &values);
+        let Encoded { head, data } = scene.encode();
+        let places = [("head", &*head), ("data", &data), ("script", VIEW_SCRIPT)];
+        self.sections += &filled(VIEW, &places.map(Filling::from));
         self
     }
 
-    /// Names and values.
-    pub(crate) fn facts(mut self, rows: &[(&str, String)]) -> Self {
-        let row = |(name, value): &(&str, String)| {
+    /// A table of facts.
+    pub(crate) fn facts(mut self, rows: &[Fact<'_>]) -> Self {
+        let row = |Fact { name, value }: &Fact<'_>| {
             format!("<tr><td>{name}</td><td>{}</td></tr>\n", escape(value))
         };
         let rows: String = rows.iter().map(row).collect();
@@ -58,7 +59,7 @@ impl Page {
             ("largest volume", number(quality.volume.largest.value)),
             ("ltbw.mesh/1", report.mesh.hash.clone().unwrap_or_default()),
         ];
-        self.facts(&rows).section("Quality", &histograms::svg(quality))
+        self.facts(&rows.map(Fact::from)).section("Quality", &histograms::svg(quality))
     }
 
     /// A part with a heading; the contents are HTML.
@@ -81,18 +82,45 @@ impl Page {
             ("sections", &self.sections),
             ("report", &report),
         ];
-        filled(PAGE, &values)
+        filled(PAGE, &values.map(Filling::from))
+    }
+}
+
+/// A row of a table of facts.
+pub(crate) struct Fact<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) value: String,
+}
+
+impl<'a> From<(&'a str, String)> for Fact<'a> {
+    fn from((name, value): (&'a str, String)) -> Self {
+        Self { name, value }
+    }
+}
+
+/// What fills a place of a template.
+#[derive(Clone, Copy)]
+struct Filling<'a> {
+    name: &'a str,
+    value: &'a str,
+}
+
+impl<'a> From<(&'a str, &'a str)> for Filling<'a> {
+    fn from((name, value): (&'a str, &'a str)) -> Self {
+        Self { name, value }
     }
 }
 
 /// A template with its places `{{name}}` filled. What is filled in is not looked through again.
-fn filled(template: &str, values: &[(&str, &str)]) -> String {
+fn filled(template: &str, values: &[Filling<'_>]) -> String {
     let mut text = String::with_capacity(template.len());
     let mut rest = template;
     while let Some((before, after)) = rest.split_once("{{") {
         text.push_str(before);
         let Some((name, behind)) = after.split_once("}}") else { break };
-        text.push_str(values.iter().find(|(n, _)| *n == name).map_or("", |(_, value)| value));
+        text.push_str(
+            values.iter().find(|place| place.name == name).map_or("", |place| place.value),
+        );
         rest = behind;
     }
     text.push_str(rest);
@@ -111,6 +139,9 @@ mod tests {
     #[test]
     fn text_stays_text() {
         assert_eq!(escape("a<b>&c"), "a&lt;b&gt;&amp;c");
-        assert_eq!(filled("a{{x}}b{{y}}", &[("x", "{{y}}"), ("y", "2")]), "a{{y}}b2");
+        assert_eq!(
+            filled("a{{x}}b{{y}}", &[("x", "{{y}}"), ("y", "2")].map(Filling::from)),
+            "a{{y}}b2"
+        );
     }
 }

@@ -22,22 +22,38 @@ pub(crate) struct Scene<'a> {
     pub(crate) workers: &'a [u32],
 }
 
+/// A scene as a page has it.
+pub(crate) struct Encoded {
+    /// The head as JSON.
+    pub(crate) head: String,
+    /// Columns of 32-bit numbers, deflated, in base 64.
+    pub(crate) data: String,
+}
+
+/// A tetrahedron by the places of its vertices, ascending.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Placed {
+    corners: [u32; 4],
+    /// Its number in the mesh.
+    t: u32,
+}
+
 impl Scene<'_> {
-    /// The head as JSON, and the data: columns of 32-bit numbers, deflated, in base 64.
-    pub(crate) fn encode(&self) -> (String, String) {
+    /// The scene as a page has it.
+    pub(crate) fn encode(&self) -> Encoded {
         let kept = self.kept();
         let (names, places) = self.vertices(&kept);
-        let mut tets: Vec<([u32; 4], u32)> = kept
+        let mut tets: Vec<Placed> = kept
             .iter()
             .map(|&t| {
                 let mut corners = self.mesh.tets[t as usize].map(|v| places[v as usize]);
                 corners.sort_unstable();
-                (corners, t)
+                Placed { corners, t }
             })
             .collect();
         tets.sort_unstable();
         let tags = self.mesh.tet_tags.as_deref().unwrap_or_default();
-        let regions = numbered(tets.iter().filter_map(|&(_, t)| tags.get(t as usize).copied()));
+        let regions = numbered(tets.iter().filter_map(|tet| tags.get(tet.t as usize).copied()));
         let workers = numbered(self.workers.iter().map(|&w| i64::from(w)));
         let markers = numbered(self.mesh.faces.iter().map(|f| f.marker));
         let of = |table: &BTreeMap<i64, u32>, value: Option<i64>| {
@@ -50,16 +66,16 @@ impl Scene<'_> {
             columns.add(names.iter().map(value));
         }
         columns.add(names.iter().copied());
-        columns.add(tets.iter().map(|&(_, t)| t));
-        let first = tets.iter().map(|(c, _)| c[0]);
+        columns.add(tets.iter().map(|tet| tet.t));
+        let first = tets.iter().map(|tet| tet.corners[0]);
         let before = std::iter::once(0).chain(first.clone());
         columns.add(first.zip(before).map(|(c, b)| c - b));
         for k in 1..4 {
-            columns.add(tets.iter().map(|(c, _)| c[k] - c[k - 1]));
+            columns.add(tets.iter().map(|tet| tet.corners[k] - tet.corners[k - 1]));
         }
-        columns.add(tets.iter().map(|&(_, t)| of(&regions, tags.get(t as usize).copied())));
+        columns.add(tets.iter().map(|tet| of(&regions, tags.get(tet.t as usize).copied())));
         let worker = |t: u32| self.workers.get(t as usize).map(|&w| i64::from(w));
-        columns.add(tets.iter().map(|&(_, t)| of(&workers, worker(t))));
+        columns.add(tets.iter().map(|tet| of(&workers, worker(tet.t))));
         columns.add(self.marked(&tets, &places, &markers).into_iter());
 
         let listed = |table: &BTreeMap<i64, u32>| {
@@ -75,7 +91,8 @@ impl Scene<'_> {
             "markers": listed(&markers),
             "workers": listed(&workers),
         });
-        (head.to_string().replace('<', "\\u003c"), columns.packed())
+        let head = head.to_string().replace('<', "\\u003c");
+        Encoded { head, data: columns.packed() }
     }
 
     /// The tetrahedra in the page: all, or those at the boundary and in a slab across the z axis,
@@ -142,15 +159,10 @@ impl Scene<'_> {
     }
 
     /// For the face opposite to each corner the number of its marker from 1 on; 0 for none.
-    fn marked(
-        &self,
-        tets: &[([u32; 4], u32)],
-        places: &[u32],
-        markers: &BTreeMap<i64, u32>,
-    ) -> Vec<u32> {
+    fn marked(&self, tets: &[Placed], places: &[u32], markers: &BTreeMap<i64, u32>) -> Vec<u32> {
         let mut marked = vec![0; 4 * tets.len()];
         let mut by_tet: Vec<(u32, u32)> =
-            tets.iter().enumerate().map(|(i, &(_, t))| (t, i as u32)).collect();
+            tets.iter().enumerate().map(|(i, tet)| (tet.t, i as u32)).collect();
         by_tet.sort_unstable();
         for face in &self.mesh.faces {
             let Ok(found) = by_tet.binary_search_by_key(&face.tet, |&(t, _)| t as usize) else {
@@ -159,7 +171,7 @@ impl Scene<'_> {
             let place = by_tet[found].1 as usize;
             let corners = face.corners.map(|v| places[v as usize]);
             let number = markers.get(&face.marker).map_or(0, |k| k + 1);
-            if let Some(slot) = tets[place].0.iter().position(|c| !corners.contains(c)) {
+            if let Some(slot) = tets[place].corners.iter().position(|c| !corners.contains(c)) {
                 marked[4 * place + slot] = number;
             }
         }
@@ -231,7 +243,7 @@ mod tests {
         let faces = vec![BoundaryFace { corners: [2, 3, 5], marker: 40, tet: 1 }];
         let tet_tags = Some(vec![7, -2]);
         let mesh = TetMesh { points, tets, tet_tags, faces, ..TetMesh::default() };
-        let (head, data) = Scene { mesh: &mesh, hull: &[], workers: &[3, 1] }.encode();
+        let Encoded { head, data } = Scene { mesh: &mesh, hull: &[], workers: &[3, 1] }.encode();
         let head: serde_json::Value = serde_json::from_str(&head).expect("JSON");
         assert_eq!(head["points"], 5, "the first point is not in use");
         assert_eq!(head["regions"], json!(["-2", "7"]));

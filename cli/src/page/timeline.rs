@@ -1,6 +1,6 @@
 //! The timeline of a parallel run, as the page's script takes it.
 
-use super::filled;
+use super::{Filling, filled};
 use ltbw::metrics::{Nanos, SpanKind, Trace};
 use serde_json::json;
 
@@ -28,7 +28,7 @@ pub(crate) fn timeline(trace: &Trace, workers: usize, end: Nanos) -> String {
     let kinds = KINDS.map(SpanKind::name);
     let data = json!({ "kinds": kinds, "end": end, "rows": rows(trace, workers, end) });
     let data = data.to_string().replace('<', "\\u003c");
-    filled(HTML, &[("data", &data), ("script", SCRIPT)])
+    filled(HTML, &[("data", &*data), ("script", SCRIPT)].map(Filling::from))
 }
 
 /// A letter for each stretch of time: what the worker did for most of it; a blank if nothing is

@@ -57,7 +57,7 @@ fn panel(svg: &mut String, h: &Histogram) {
     let step = wide / h.counts.len().max(1) as f64;
     for (i, &count) in h.counts.iter().enumerate() {
         let height = count as f64 / most * high;
-        let (from, to) = h.bin(i);
+        let [from, to] = h.bin(i);
         // The last bar counts what is beyond the axis, too.
         let is_open = i + 1 == h.counts.len() && h.largest.value > h.high;
         let range = match is_open {

@@ -1,7 +1,9 @@
 //! `simulate --domain`: a domain refined in rounds by simulated processors.
 
-use super::report::{Made, Report};
-use super::{Run, Simulate, end, failure_of, layout, nothing_to_do, options, options_alone, told};
+use super::report::{Compared, Made, Report};
+use super::{
+    Run, Simulate, Told, end, failure_of, layout, nothing_to_do, options, options_alone, told,
+};
 use crate::figures::{Doing, cost_model, tables};
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
@@ -70,15 +72,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         told => told,
     };
     let told = told.ok_or_else(|| nothing_to_do(MORE))?;
-    end(args, (&told.json, &told.text), (&told.found, &told.expected))
-}
-
-/// The report and the tables of a run, and the hashes of its mesh and of the engine's.
-struct Told {
-    json: String,
-    text: String,
-    found: String,
-    expected: String,
+    end(args, told)
 }
 
 fn mesh_hash(mesh: &ltbw::Mesh) -> Result<String, Failure> {
@@ -127,17 +121,27 @@ fn attempt(
             alone.ok_or_else(|| Failure::Other("one processor had no rounds".to_owned()))?
         }
     };
-    let (json, text) = tell((args, path, &options), &made, (summary, &alone), start)?;
+    let asked = Asked { args, path, options: &options, start };
+    let (json, text) = tell(&asked, &made, summary, &alone)?;
     Ok((Some(Told { json, text, found, expected }), vertices))
+}
+
+/// A run that was asked for, of a domain with this many vertices at the start.
+struct Asked<'a> {
+    args: &'a Simulate,
+    path: &'a Path,
+    options: &'a Options,
+    start: usize,
 }
 
 /// The report and the tables of a run.
 fn tell(
-    (args, path, options): (&Simulate, &Path, &Options),
+    asked: &Asked<'_>,
     made: &SimulatedRounds,
-    (summary, alone): (&Summary, &Summary),
-    start: usize,
+    summary: &Summary,
+    alone: &Summary,
 ) -> Result<(String, String), Failure> {
+    let Asked { args, path, options, start } = *asked;
     let SimulatedRounds { refined, events, ending, figures, .. } = made;
     // The comparison is of the whole mesh.
     let inside = refined.inside();
@@ -188,7 +192,9 @@ fn tell(
     );
     let settings = Run { args, layout: &layout, config: &config, options };
     let made = Made { mesh: refined.mesh(), duplicates: 0, summary, events: *events };
-    let report = Report::new(settings, &made, (alone, whole), &hash, vertices).from(start);
+    let report =
+        Report::new(settings, &made, Compared { one_processor: alone, whole }, &hash, vertices)
+            .from(start);
     let report = report.in_rounds(rounds as usize);
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     Ok((json, text))

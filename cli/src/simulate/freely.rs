@@ -2,8 +2,8 @@
 //! as they come.
 
 use super::domain::{MORE, hash_of, planned, planned_run, ready, refiner};
-use super::report::{Made, Report};
-use super::{Run, Simulate, end, failure_of, nothing_to_do, options, options_alone, told};
+use super::report::{Compared, Made, Report};
+use super::{Run, Simulate, Told, end, failure_of, nothing_to_do, options, options_alone, told};
 use crate::console;
 use crate::figures::{Doing, cost_model, tables};
 use crate::outcome::{Exit, Failure, show};
@@ -61,7 +61,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     };
     let stage = Stage::begin("check");
     let inside = refined.inside();
-    let defects = defects(args, &ready, (&refined, &inside));
+    let defects = defects(args, &ready, &refined, &inside);
     drop(stage);
     let hash = hash_of(&inside.points, &inside.tets)?;
     let (layout, config) = planned(args, started, args.processors);
@@ -98,9 +98,11 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     );
     let made = Made { mesh: refined.mesh(), duplicates: 0, summary: &summary, events };
     let settings = Run { args, layout: &layout, config: &config, options: &options };
-    let report = Report::new(settings, &made, (alone, whole), &hash, vertices).from(started);
+    let report =
+        Report::new(settings, &made, Compared { one_processor: alone, whole }, &hash, vertices)
+            .from(started);
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
-    let exit = end(args, (&json, &text), (&hash, &hash))?;
+    let exit = end(args, Told { json, text, found: hash.clone(), expected: hash })?;
     if let Some(first) = defects.first() {
         console::people(&format!("defect    {first}"));
         return Ok(Exit::OwnDefect);
@@ -109,11 +111,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
 }
 
 /// Whatever the independent checker finds, but bounds that the run knows not to be met.
-fn defects(
-    args: &Simulate,
-    ready: &Prepared,
-    (refined, inside): (&Refined, &TetMesh),
-) -> Vec<String> {
+fn defects(args: &Simulate, ready: &Prepared, refined: &Refined, inside: &TetMesh) -> Vec<String> {
     let limits = match refined.outcome {
         RefineOutcome::Met => verify::Limits {
             radius_edge: Some(args.radius_edge.unwrap_or(2.0)),

@@ -26,7 +26,7 @@ use ltbw::simulate::{
     Around, MeshError, Meshed, Network, Options, RandomMigrations, Whole, simulate_mesh,
 };
 use ltbw_generate::generate;
-use report::{Made, Report, Run};
+use report::{Compared, Made, Report, Run};
 use std::path::{Path, PathBuf};
 
 /// `ltbw simulate`.
@@ -68,14 +68,23 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
             "all points are in the mesh at the start: more --points make work",
         ));
     }
-    let alone = alone(&set, &layout, config, &options, &name, &meshed)?;
+    let alone = match layout.workers {
+        1 => meshed.summary.clone(),
+        _ => alone(&set, &layout, config, &options, &name)?,
+    };
     let started = layout.sample.min(set.len()) as u64;
     let vertices = meshed.gathered.mesh.num_vertices() as u64;
     let around = Around { points: started, started, vertices, times: 1 };
     let whole = Whole::of(&meshed.summary, &alone, &around, &options);
     let alone = alone.makespan;
     let run = Run { args, layout: &layout, config: &config, options: &options };
-    let report = Report::new(run, &Made::of(&meshed), (alone, whole), &hash, set.len());
+    let report = Report::new(
+        run,
+        &Made::of(&meshed),
+        Compared { one_processor: alone, whole },
+        &hash,
+        set.len(),
+    );
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     let trace = meshed.trace.take();
     let text = format!(
@@ -108,25 +117,30 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     if let Some(path) = &args.trace {
         write_trace(path, trace)?;
     }
-    end(args, (&json, &text), (&hash, &expected))
+    end(args, Told { json, text, found: hash, expected })
+}
+
+/// The report and the tables of a run, and the hashes of its mesh and of the engine's.
+struct Told {
+    json: String,
+    text: String,
+    found: String,
+    expected: String,
 }
 
 /// Writes the report and the tables, and compares the hash with that of the sequential kernel.
-fn end(
-    args: &Simulate,
-    (json, text): (&str, &str),
-    (hash, expected): (&str, &str),
-) -> Result<Exit, Failure> {
+fn end(args: &Simulate, told: Told) -> Result<Exit, Failure> {
+    let Told { json, text, found, expected } = told;
     if let Some(path) = &args.json {
-        write_json(path, json)?;
+        write_json(path, &json)?;
     }
     let pages = [&args.json, &args.trace, &args.page];
     if on_stdout(&pages.into_iter().flatten().cloned().collect::<Vec<_>>()) {
         console::people(text.trim_end());
     } else {
-        console::data(text)?;
+        console::data(&text)?;
     }
-    if hash == expected {
+    if found == expected {
         return Ok(Exit::Done);
     }
     console::people(&format!("defect    the sequential kernel's mesh is {expected}"));
@@ -227,11 +241,7 @@ fn alone(
     config: Config,
     options: &Options,
     name: &Path,
-    meshed: &Meshed,
 ) -> Result<Summary, Failure> {
-    if layout.workers == 1 {
-        return Ok(meshed.summary.clone());
-    }
     // One alone has nothing to lock, and nobody to own anything else.
     let one = Layout { workers: 1, ownership: Ownership::default(), ..*layout };
     let config = Config { workers: 1, closure: Closure::default(), ..config };

@@ -3,7 +3,7 @@
 use super::{Simulate, layout, mesh};
 use crate::json::write_text;
 use crate::outcome::Failure;
-use crate::page::{Page, timeline};
+use crate::page::{Fact, Page, timeline};
 use crate::picture::curve;
 use ltbw::PointSet;
 use ltbw::metrics::{Summary, Trace, tolerance};
@@ -45,7 +45,7 @@ impl Run<'_> {
         let view = timeline(self.trace, workers as usize, s.makespan);
         let curves = format!("{}{}", self.over_latency()?, self.over_processors()?);
         let page = Page::new(&title)
-            .facts(&facts)
+            .facts(&facts.map(Fact::from))
             .section("Time of the processors", &view)
             .section("Other runs of the same points", &curves)
             .text("Figures", self.text);

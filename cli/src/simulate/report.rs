@@ -84,6 +84,14 @@ struct Settings {
     balance: bool,
 }
 
+/// What a run is compared with.
+pub(super) struct Compared {
+    /// The time of one processor that does the same work.
+    pub(super) one_processor: u64,
+    /// The whole run, where there is more than the simulated part.
+    pub(super) whole: Option<Whole>,
+}
+
 /// The result of a run.
 #[derive(Clone, Copy)]
 pub(super) struct Made<'a> {
@@ -105,7 +113,7 @@ impl Report {
     pub(super) fn new(
         run: Run<'_>,
         made: &Made<'_>,
-        (one_processor, whole): (u64, Option<Whole>),
+        Compared { one_processor, whole }: Compared,
         hash: &str,
         points: usize,
     ) -> Self {

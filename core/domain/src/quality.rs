@@ -148,9 +148,9 @@ impl Histogram {
 
     /// Bounds of bin `k`.
     #[must_use]
-    pub fn bin(&self, k: usize) -> (f64, f64) {
+    pub fn bin(&self, k: usize) -> [f64; 2] {
         let width = (self.high - self.low) / self.counts.len() as f64;
-        (self.low + k as f64 * width, self.low + (k + 1) as f64 * width)
+        [self.low + k as f64 * width, self.low + (k + 1) as f64 * width]
     }
 
     fn total(&self) -> u64 {
@@ -174,12 +174,21 @@ fn figures<'a>(
     })
 }
 
-/// The [`FIGURES`] of every tetrahedron, each with its name. All vertices have to be points.
+/// A figure of every tetrahedron of a mesh, as mesh files carry it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Array {
+    /// Its name.
+    pub name: &'static str,
+    /// A value for each tetrahedron.
+    pub values: Vec<f64>,
+}
+
+/// The [`FIGURES`] of every tetrahedron. All vertices have to be points.
 #[must_use]
-pub fn arrays(points: &[Point], tets: &[[u32; 4]]) -> Vec<(&'static str, Vec<f64>)> {
-    let mut arrays = FIGURES.map(|name| (name, Vec::with_capacity(tets.len())));
+pub fn arrays(points: &[Point], tets: &[[u32; 4]]) -> Vec<Array> {
+    let mut arrays = FIGURES.map(|name| Array { name, values: Vec::with_capacity(tets.len()) });
     for values in figures(points, tets) {
-        arrays.iter_mut().zip(values).for_each(|(array, value)| array.1.push(value));
+        arrays.iter_mut().zip(values).for_each(|(array, value)| array.values.push(value));
     }
     arrays.into()
 }
@@ -297,7 +306,7 @@ impl Quality {
         let h = &self.dihedral;
         let most = h.counts.iter().copied().max().unwrap_or(0).max(1);
         for (k, &count) in h.counts.iter().enumerate() {
-            let (low, high) = h.bin(k);
+            let [low, high] = h.bin(k);
             let bar = "#".repeat((count * 50 / most) as usize);
             let share = 100.0 * count as f64 / h.total().max(1) as f64;
             let _ = writeln!(text, "{low:>4.0}-{high:<4.0} {share:>6.2} % {bar}");

@@ -64,6 +64,14 @@ pub struct Repairs {
     pub exterior_holes: usize,
 }
 
+/// A facet among equal ones.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Turned {
+    facet: usize,
+    /// As [`canonical`] says.
+    turned: bool,
+}
+
 impl Repairs {
     /// Did anything change that the file's own coordinates do not say?
     #[must_use]
@@ -345,15 +353,15 @@ impl Surface {
     /// Keeps one of equal facets. If as many are turned either way it is an inner one; otherwise it
     /// is turned as most are, and nothing lies between the pairs of others.
     fn drop_doubled(&mut self, repairs: &mut Repairs) {
-        let mut first: HashMap<Vec<u32>, (usize, bool)> = HashMap::new();
-        let mut more: BTreeMap<usize, Vec<(usize, bool)>> = BTreeMap::new();
+        let mut first: HashMap<Vec<u32>, Turned> = HashMap::new();
+        let mut more: BTreeMap<usize, Vec<Turned>> = BTreeMap::new();
         for (f, facet) in self.domain.facets.iter().enumerate() {
             let Some(polygon) = simple(facet) else { continue };
             let (key, turned) = canonical(polygon);
-            let own = (f, turned);
+            let own = Turned { facet: f, turned };
             let &mut one = first.entry(key).or_insert(own);
             if one != own {
-                more.entry(one.0).or_insert_with(|| vec![one]).push(own);
+                more.entry(one.facet).or_insert_with(|| vec![one]).push(own);
             }
         }
         let mut keep = vec![true; self.domain.facets.len()];
@@ -368,22 +376,23 @@ impl Surface {
         }
     }
 
-    /// Keeps one of these equal facets, ascending, each with the way that it is turned.
-    fn keep_one(&mut self, equal: &[(usize, bool)], keep: &mut [bool], repairs: &mut Repairs) {
-        let turned = equal.iter().filter(|(_, turned)| *turned).count();
+    /// Keeps one of these equal facets, ascending.
+    fn keep_one(&mut self, equal: &[Turned], keep: &mut [bool], repairs: &mut Repairs) {
+        let turned = equal.iter().filter(|facet| facet.turned).count();
         let is_inner = 2 * turned == equal.len();
-        let way = if is_inner { equal[0].1 } else { 2 * turned > equal.len() };
-        let (same, other): (Vec<_>, Vec<_>) = equal.iter().partition(|(_, turned)| *turned == way);
-        let origin = |list: &[(usize, bool)]| -> Vec<u32> {
-            list.iter().map(|&(f, _)| self.origin[f]).collect()
+        let way = if is_inner { equal[0].turned } else { 2 * turned > equal.len() };
+        let (same, other): (Vec<_>, Vec<_>) = equal.iter().partition(|facet| facet.turned == way);
+        let origin = |list: &[Turned]| -> Vec<u32> {
+            list.iter().map(|facet| self.origin[facet.facet]).collect()
         };
         let pairs = if is_inner { 0 } else { other.len() };
         repairs.flaps.extend(origin(&same[1..=pairs]));
         repairs.doubled.extend(origin(&same[1 + pairs..]));
         if is_inner { &mut repairs.inner } else { &mut repairs.flaps }.extend(origin(&other));
-        let partner = is_inner.then(|| self.origin[other[0].0]);
-        equal.iter().for_each(|&(f, _)| keep[f] = f == same[0].0);
-        self.inner[same[0].0] = partner.or(self.inner[same[0].0]);
+        let partner = is_inner.then(|| self.origin[other[0].facet]);
+        let kept = same[0].facet;
+        equal.iter().for_each(|equal| keep[equal.facet] = equal.facet == kept);
+        self.inner[kept] = partner.or(self.inner[kept]);
     }
 
     /// Puts ends of open edges into open edges within the tolerance.

@@ -127,14 +127,15 @@ impl PointSet {
     /// [`PointError::TooMany`] if there are more than [`MAX_POINTS`].
     pub fn new(mut points: Vec<Point>) -> Result<Self, PointError> {
         check_count(points.len())?;
-        // Least and largest magnitude that is not zero.
-        let mut range: Option<(f64, f64)> = None;
+        let mut range: Option<Magnitudes> = None;
         for (index, point) in points.iter_mut().enumerate() {
             *point = normalised(index, *point)?;
             for magnitude in point.map(f64::abs) {
                 if magnitude > 0.0 {
-                    let (low, high) = range.unwrap_or((magnitude, magnitude));
-                    range = Some((low.min(magnitude), high.max(magnitude)));
+                    let Magnitudes { least, largest } =
+                        range.unwrap_or(Magnitudes { least: magnitude, largest: magnitude });
+                    let (least, largest) = (least.min(magnitude), largest.max(magnitude));
+                    range = Some(Magnitudes { least, largest });
                 }
             }
         }
@@ -235,15 +236,22 @@ fn in_window(coordinate: f64) -> bool {
     magnitude == 0.0 || (LOW..HIGH).contains(&magnitude)
 }
 
-/// The mode for coordinates of which the least and the largest non-zero magnitude are given.
-fn mode_for(range: Option<(f64, f64)>) -> Mode {
-    let Some((low, high)) = range else {
+/// The least and the largest magnitude of coordinates that are not zero.
+#[derive(Clone, Copy)]
+struct Magnitudes {
+    least: f64,
+    largest: f64,
+}
+
+/// The mode for coordinates in a range; `None` if all are zero.
+fn mode_for(range: Option<Magnitudes>) -> Mode {
+    let Some(Magnitudes { least, largest }) = range else {
         return Mode::Normal;
     };
-    if in_window(low) && in_window(high) {
+    if in_window(least) && in_window(largest) {
         return Mode::Normal;
     }
-    let (low, high) = (exponent_of(low), exponent_of(high));
+    let (low, high) = (exponent_of(least), exponent_of(largest));
     // Exponents inside the window run from -142 to 199: 342 of them.
     let slack = (WINDOW_HIGH_EXPONENT - 1 - WINDOW_LOW_EXPONENT) - (high - low);
     if slack < 0 {

@@ -19,6 +19,22 @@ const LINKS: usize = 40;
 const BUFFERS: usize = 4 << 20;
 const ROWS: usize = 12 << 20;
 
+/// What the writing of a file needs.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Needs<'a> {
+    /// The token that ends it.
+    pub(super) cancel: Option<&'a CancelToken>,
+    /// Bytes that it takes, beside the buffers of every writer.
+    pub(super) memory: usize,
+}
+
+impl<'a> Needs<'a> {
+    /// No memory of its own.
+    pub(super) fn until(cancel: &'a CancelToken) -> Self {
+        Self { cancel: Some(cancel), memory: 0 }
+    }
+}
+
 /// A file written in full under a temporary name.
 pub(super) struct AtomicFile {
     file: TempPath,
@@ -32,20 +48,19 @@ impl AtomicFile {
         path: &Path,
         fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<Self, IoError> {
-        Self::write_until(path, (None, 0), fill)
+        Self::write_until(path, Needs::default(), fill)
     }
 
-    /// Writes a file as [`AtomicFile::write`] does, until the token says otherwise. `memory` is
-    /// what `fill` takes, in bytes, beside the buffers of every writer.
+    /// Writes a file as [`AtomicFile::write`] does, until the token says otherwise.
     pub(super) fn write_until(
         path: &Path,
-        (cancel, memory): (Option<&CancelToken>, usize),
+        Needs { cancel, memory }: Needs<'_>,
         fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<Self, IoError> {
         let memory = memory
             .saturating_add(BUFFERS)
             .saturating_add(rayon::current_num_threads().max(1) * ROWS);
-        Self::try_write(path, (cancel, memory), fill).map_err(|e| match cancel {
+        Self::try_write(path, Needs { cancel, memory }, fill).map_err(|e| match cancel {
             Some(token) if token.is_cancelled() => IoError::Cancelled { path: path.to_owned() },
             _ => write_error(path, e),
         })
@@ -53,7 +68,7 @@ impl AtomicFile {
 
     fn try_write(
         path: &Path,
-        (cancel, memory): (Option<&CancelToken>, usize),
+        Needs { cancel, memory }: Needs<'_>,
         fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> std::io::Result<Self> {
         let target = target(path)?;
@@ -214,7 +229,7 @@ mod tests {
         let path = dir.path().join("a.xyz");
         std::fs::write(&path, "old").unwrap();
         let (token, mut taken) = (CancelToken::new(), 0);
-        let result = AtomicFile::write_until(&path, (Some(&token), 0), |out| {
+        let result = AtomicFile::write_until(&path, Needs::until(&token), |out| {
             for k in 0..100 {
                 if k == 3 {
                     token.cancel();

@@ -1,6 +1,6 @@
 //! Reading and writing domains, whatever their format.
 
-use super::atomic_file::{self, AtomicFile};
+use super::atomic_file::{self, AtomicFile, Needs};
 use super::{DomainFile, Format, IoError, Load, WriteOptions, load, parse_domain, parse_error};
 use super::{poly, streams, tetgen, wrong_kind};
 use ltbw_core::CancelToken;
@@ -73,8 +73,8 @@ pub fn write_domain_until(
     let format = domain_format(path)?;
     let faces = streams::domain_ready(path, format, domain)?;
     // A list of the faces, and of their corners.
-    let memory = 64 * domain.facets.len();
-    AtomicFile::write_until(path, (Some(cancel), memory), |out| {
+    let needs = Needs { cancel: Some(cancel), memory: 64 * domain.facets.len() };
+    AtomicFile::write_until(path, needs, |out| {
         streams::put_domain(out, format, domain, faces.as_ref(), options)
     })?
     .publish_unless(cancel)

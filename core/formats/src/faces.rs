@@ -7,17 +7,21 @@ use std::collections::HashMap;
 /// The slots of a tetrahedron's corners without one each.
 const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
 
-/// Gives triangles, each with its marker, the tetrahedra that they are faces of.
+/// A triangle of a mesh file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Marked {
+    pub(crate) corners: [u32; 3],
+    pub(crate) marker: i64,
+}
+
+/// Gives triangles the tetrahedra that they are faces of.
 ///
 /// Of two tetrahedra it is the one that the triangle points out of; a triangle that points out of
 /// none is turned round. The note tells how many are faces of no tetrahedron: these are left out.
-pub(crate) fn owned(
-    mesh: &TetMesh,
-    triangles: &[([u32; 3], i64)],
-) -> (Vec<BoundaryFace>, Option<String>) {
+pub(crate) fn owned(mesh: &TetMesh, triangles: &[Marked]) -> (Vec<BoundaryFace>, Option<String>) {
     // For each triangle, by its sorted corners, the tetrahedra at it.
     let mut owners: HashMap<[u32; 3], [Option<usize>; 2]> =
-        triangles.iter().map(|&(corners, _)| (sorted(corners), [None; 2])).collect();
+        triangles.iter().map(|t| (sorted(t.corners), [None; 2])).collect();
     for (t, tet) in mesh.tets.iter().enumerate().filter(|_| !triangles.is_empty()) {
         for face in FACES {
             if let Some(pair) = owners.get_mut(&sorted(face.map(|k| tet[k]))) {
@@ -27,7 +31,7 @@ pub(crate) fn owned(
         }
     }
     let mut faces = Vec::with_capacity(triangles.len());
-    for &(corners, marker) in triangles {
+    for &Marked { corners, marker } in triangles {
         let pair = owners.get(&sorted(corners)).copied().unwrap_or_default();
         let first = pair.into_iter().flatten().find(|&t| points_out(mesh, corners, t));
         let [a, b, c] = corners;
@@ -71,7 +75,8 @@ mod tests {
         let mesh = TetMesh { points, tets: vec![[0, 1, 2, 3], [0, 2, 1, 4]], ..TetMesh::default() };
         // Between the two, from either side; a face turned the wrong way; one of no tetrahedron.
         let given =
-            [([0, 2, 1], 5), ([0, 1, 2], 6), ([0, 1, 3], 7), ([0, 3, 1], 8), ([1, 3, 4], 9)];
+            [([0, 2, 1], 5), ([0, 1, 2], 6), ([0, 1, 3], 7), ([0, 3, 1], 8), ([1, 3, 4], 9)]
+                .map(|(corners, marker)| Marked { corners, marker });
         let (faces, note) = owned(&mesh, &given);
         let face = |corners, marker, tet| BoundaryFace { corners, marker, tet };
         let expected = [

@@ -66,7 +66,7 @@ mod writer;
 mod xml;
 pub mod xyz;
 
-use atomic_file::AtomicFile;
+use atomic_file::{AtomicFile, Needs};
 pub use carried::carried_hash;
 pub use domain::{
     check_domain_writable, domain_files, not_kept, read_domain, read_domain_by, write_domain,
@@ -251,7 +251,7 @@ pub fn write_points_until(
     let format = writable(path, true)?;
     streams::points_ready(path, format, file)?;
     let fill = |out: &mut dyn Write| streams::put_points(out, format, file, options);
-    AtomicFile::write_until(path, (Some(cancel), 0), fill)?.publish_unless(cancel)
+    AtomicFile::write_until(path, Needs::until(cancel), fill)?.publish_unless(cancel)
 }
 
 /// Writes a mesh with its tags and boundary faces, with the default [`WriteOptions`]: `.vtu`,

@@ -14,7 +14,7 @@
 use super::MeshFile;
 use super::curved::Curved;
 use super::error::{ParseError, Reason, excerpt};
-use super::faces::owned;
+use super::faces::{Marked, owned};
 use super::text::{Tokens, capacity, count, float, integer, push_integer, push_point, write_rows};
 use ltbw_core::TetMesh;
 use ltbw_exact::Point;
@@ -159,7 +159,8 @@ impl<'a> Sections<'a> {
         notes.extend(curved.note());
         let (tets, tet_tags) = number_from_0(tets, points.len())?;
         let (corners, markers) = number_from_0(triangles, points.len())?;
-        let triangles: Vec<([u32; 3], i64)> = corners.into_iter().zip(markers).collect();
+        let triangle = |(corners, marker)| Marked { corners, marker };
+        let triangles: Vec<Marked> = corners.into_iter().zip(markers).map(triangle).collect();
         let tags = |t: Vec<i64>, mark: bool| (mark || t.iter().any(|&r| r != 0)).then_some(t);
         let (point_tags, tet_tags) = (tags(point_tags, marked[0]), tags(tet_tags, marked[1]));
         let mut mesh = TetMesh { points, tets, point_tags, tet_tags, ..TetMesh::default() };

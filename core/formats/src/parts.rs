@@ -6,7 +6,7 @@
 //! far as all parts have them.
 //! Source: the VTK file formats page of the VTK documentation.
 
-use super::atomic_file::{self, AtomicFile};
+use super::atomic_file::{self, AtomicFile, Needs};
 use super::{IoError, check_mesh, data_error, vtu};
 use ltbw_core::{CancelToken, TetMesh};
 use std::io::Write;
@@ -68,7 +68,7 @@ pub fn write_parts_until(
     for (worker, (part, name)) in (0..).zip(parts.iter().zip(names)) {
         check_mesh(part).map_err(|r| data_error(name, r))?;
         let fill = |out: &mut dyn Write| vtu::write_part(out, part, worker);
-        written.push(AtomicFile::write_until(name, (Some(cancel), 0), fill)?);
+        written.push(AtomicFile::write_until(name, Needs::until(cancel), fill)?);
     }
     let index = AtomicFile::write(&list[0], |out| write_list(out, names, parts))?;
     // The first of them looks at the token; after it all get their names.

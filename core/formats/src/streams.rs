@@ -232,7 +232,7 @@ fn write_faces(
     encoding: Encoding,
 ) -> std::io::Result<()> {
     let points = faces.points();
-    let corners = || faces.iter().map(|(corners, _)| corners);
+    let corners = || faces.iter().map(|face| face.corners);
     match format {
         Format::Ply => ply::write_surface(out, points, &faces.iter().collect::<Vec<_>>(), encoding),
         Format::Vtk => vtk::write_surface(out, points, &faces.iter().collect::<Vec<_>>(), encoding),

@@ -110,6 +110,13 @@ impl Surface {
     }
 }
 
+/// A face of a surface.
+#[derive(Clone, Copy)]
+pub(super) struct Face<'a> {
+    pub(super) corners: &'a [u32],
+    pub(super) marker: i32,
+}
+
 /// The content of a surface file to be written: the polygons of a domain, or else their triangles.
 pub(super) struct Faces<'a> {
     points: &'a [Point],
@@ -143,8 +150,8 @@ impl<'a> Faces<'a> {
         self.points
     }
 
-    /// Corners and marker of each face.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32], i32)> {
-        self.faces.iter().map(|(corners, marker)| (corners.as_ref(), *marker))
+    /// The faces.
+    pub(super) fn iter(&self) -> impl Iterator<Item = Face<'_>> {
+        self.faces.iter().map(|(corners, marker)| Face { corners, marker: *marker })
     }
 }

@@ -11,7 +11,7 @@
 
 use super::curved::Curved;
 use super::error::{ParseError, Reason};
-use super::faces::owned;
+use super::faces::{Marked, owned};
 use super::text::{
     Lines, capacity, count, float, integer, point, push_float, push_integer, push_point, write_rows,
 };
@@ -263,7 +263,7 @@ pub fn parse_face(bytes: &[u8], mut file: MeshFile, first: u8) -> Result<MeshFil
         if found < width {
             return Err(at(Reason::TooFewValues { expected: width, found }));
         }
-        triangles.push((triangle, marker));
+        triangles.push(Marked { corners: triangle, marker });
     }
     if let Some(line) = lines.next() {
         return Err(ParseError::at(bytes, line.offset, Reason::Surplus("triangle")));

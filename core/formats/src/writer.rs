@@ -1,11 +1,12 @@
 //! Meshes on their way to files and streams.
 
-use crate::atomic_file::AtomicFile;
+use crate::atomic_file::{AtomicFile, Needs};
 use crate::{
     DataError, Format, GroupName, IoError, MeshFile, WriteOptions, check_mesh, check_mesh_stream,
     data_error, face_path, medit, msh, pair, tetgen, vtk, vtu, writable, write_error,
 };
 use ltbw_core::{CancelToken, TetMesh};
+use ltbw_domain::quality::Array;
 use std::io::Write;
 use std::path::Path;
 
@@ -29,7 +30,7 @@ use std::path::Path;
 #[must_use]
 pub struct MeshWriter<'a> {
     mesh: &'a TetMesh,
-    values: &'a [(&'static str, Vec<f64>)],
+    values: &'a [Array],
     names: &'a [GroupName],
     hash: Option<&'a str>,
     options: WriteOptions,
@@ -43,9 +44,9 @@ impl<'a> MeshWriter<'a> {
         Self { mesh, values: &[], names: &[], hash: None, options, cancel: None }
     }
 
-    /// Names of figures, each with a value for every tetrahedron, as
-    /// [`quality::arrays`](ltbw_domain::quality::arrays) has them.
-    pub fn values(self, values: &'a [(&'static str, Vec<f64>)]) -> Self {
+    /// Figures of the tetrahedra, such as those of
+    /// [`quality::arrays`](ltbw_domain::quality::arrays).
+    pub fn values(self, values: &'a [Array]) -> Self {
         Self { values, ..self }
     }
 
@@ -110,9 +111,10 @@ impl<'a> MeshWriter<'a> {
 
     /// The token that ends the writing, and the memory that the lists of a format take: of each
     /// tetrahedron, point and face about as much as the mesh itself has.
-    fn needs(&self) -> (Option<&'a CancelToken>, usize) {
+    fn needs(&self) -> Needs<'a> {
         let TetMesh { points, tets, faces, .. } = self.mesh;
-        (self.cancel, 32 * (points.len() + tets.len()) + 48 * faces.len())
+        let memory = 32 * (points.len() + tets.len()) + 48 * faces.len();
+        Needs { cancel: self.cancel, memory }
     }
 
     /// Was the writing not cancelled?
@@ -126,9 +128,8 @@ impl<'a> MeshWriter<'a> {
     /// Checks that the format can hold the data.
     fn ready(&self, name: &Path, format: Format) -> Result<(), IoError> {
         let tets = self.mesh.tets.len();
-        let is_short = |values: &Vec<f64>| values.len() != tets;
-        let values = match self.values.iter().find(|(_, values)| is_short(values)) {
-            Some((_, values)) => {
+        let values = match self.values.iter().find(|array| array.values.len() != tets) {
+            Some(Array { values, .. }) => {
                 Err(DataError::Tags { what: "tetrahedra", tags: values.len(), count: tets })
             }
             None => Ok(()),
@@ -143,10 +144,10 @@ impl<'a> MeshWriter<'a> {
     fn put(&self, out: &mut dyn Write, format: Format) -> std::io::Result<()> {
         let Self { mesh, values, names, hash, options, .. } = *self;
         match format {
-            Format::Msh => msh::write_hashed(out, mesh, (names, hash), options),
+            Format::Msh => msh::write_hashed(out, mesh, names, hash, options),
             Format::Medit => medit::write(out, mesh),
             Format::Vtk => vtk::write_with(out, mesh, values, options.encoding),
-            _ => vtu::write_hashed(out, mesh, (values, hash), options.encoding),
+            _ => vtu::write_hashed(out, mesh, values, hash, options.encoding),
         }
     }
 

@@ -13,24 +13,31 @@ pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
     read_lines(bytes, |line| first_point(&mut line.fields()))
 }
 
-/// The point at the start of a line, and whether more values follow.
+/// The point at the start of a line.
+pub(super) struct FirstPoint {
+    pub(super) p: Point,
+    /// Do more values follow?
+    pub(super) has_more: bool,
+}
+
+/// The point at the start of a line of these fields.
 pub(super) fn first_point<'a>(
     fields: &mut impl Iterator<Item = &'a [u8]>,
-) -> Result<(Point, bool), Reason> {
-    Ok((point(fields, 0)?, fields.next().is_some()))
+) -> Result<FirstPoint, Reason> {
+    Ok(FirstPoint { p: point(fields, 0)?, has_more: fields.next().is_some() })
 }
 
 /// Reads a file with one point on a line, which `parse` takes as [`first_point`] does.
 pub(super) fn read_lines(
     bytes: &[u8],
-    parse: impl Fn(Line<'_>) -> Result<(Point, bool), Reason>,
+    parse: impl Fn(Line<'_>) -> Result<FirstPoint, Reason>,
 ) -> Result<PointFile, ParseError> {
     let mut file = PointFile::default();
     let mut more = false;
     for line in Lines::new(bytes) {
         let parsed = parse(line).map_err(|r| ParseError::at(bytes, line.offset, r));
-        let (p, surplus) = parsed?;
-        more |= surplus;
+        let FirstPoint { p, has_more } = parsed?;
+        more |= has_more;
         file.points.push(p);
     }
     if more {

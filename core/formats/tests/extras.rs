@@ -1,7 +1,7 @@
 //! Data beside the mesh in mesh files, edge lengths, and writers whose medium is full.
 
 use ltbw_core::{BoundaryFace, CancelToken, TetMesh};
-use ltbw_domain::quality;
+use ltbw_domain::quality::{self, Array};
 use ltbw_formats as io;
 use ltbw_formats::{
     DataError, Encoding, IoError, MshVersion, csv, medit, msh, npy, tetgen, vtu, xyz,
@@ -242,15 +242,14 @@ fn faces_of_another_mesh_do_not_stay() {
 fn figures_and_faces_must_be_of_the_mesh() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.vtu");
-    let reason =
-        |mesh: &TetMesh, values: &[(&'static str, Vec<f64>)]| match io::MeshWriter::new(mesh)
-            .values(values)
-            .write(&path)
-        {
-            Err(IoError::Data { reason, .. }) => reason,
-            other => panic!("{other:?}"),
-        };
-    let error = reason(&corner(), &[("volume", vec![1.0, 2.0])]);
+    let reason = |mesh: &TetMesh, values: &[Array]| match io::MeshWriter::new(mesh)
+        .values(values)
+        .write(&path)
+    {
+        Err(IoError::Data { reason, .. }) => reason,
+        other => panic!("{other:?}"),
+    };
+    let error = reason(&corner(), &[Array { name: "volume", values: vec![1.0, 2.0] }]);
     assert_eq!(error, DataError::Tags { what: "tetrahedra", tags: 2, count: 1 });
     for wrong in [
         BoundaryFace { corners: [0, 1, 4], marker: 0, tet: 0 },
@@ -290,7 +289,7 @@ fn figures_of_tetrahedra_have_names() {
     let TetMesh { points, tets, .. } = corner();
     let arrays = quality::arrays(&points, &tets);
     let one = |name: &str| {
-        let (_, values) = arrays.iter().find(|(n, _)| *n == name).expect("a figure");
+        let Array { values, .. } = arrays.iter().find(|a| a.name == name).expect("a figure");
         assert_eq!(values.len(), 1, "{name}");
         values[0]
     };
@@ -349,7 +348,7 @@ impl Write for Medium {
 #[test]
 fn a_full_medium_is_an_error_at_every_byte() {
     let mesh = bounded();
-    let values = [("volume", vec![0.5])];
+    let values = [Array { name: "volume", values: vec![0.5] }];
     let tags = mesh.point_tags.as_deref();
     let (points, mesh) = (&mesh.points, &mesh);
     type Writer<'a> = Box<dyn Fn(&mut dyn Write) -> std::io::Result<()> + 'a>;

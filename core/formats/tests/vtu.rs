@@ -2,6 +2,7 @@
 
 use flate2::{Compression, write::ZlibEncoder};
 use ltbw_core::{BoundaryFace, TetMesh};
+use ltbw_domain::quality::Array;
 use ltbw_formats::{Encoding, vtu};
 use std::io::Write;
 
@@ -215,7 +216,7 @@ fn figures_and_boundary_leave_the_mesh_as_it_is() {
         ],
         ..TetMesh::default()
     };
-    let values = [("volume", vec![0.25, f64::INFINITY])];
+    let values = [Array { name: "volume", values: vec![0.25, f64::INFINITY] }];
     for encoding in [Encoding::Binary, Encoding::Ascii] {
         let mut bytes = Vec::new();
         vtu::write_with(&mut bytes, &mesh, &values, encoding).expect("memory");

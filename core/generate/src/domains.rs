@@ -218,7 +218,7 @@ fn cube_in_cube() -> Domain {
 
 /// Sine and cosine of an angle in degrees of at most 180, by their series: an error of some ulps,
 /// the same on every machine.
-pub(super) fn sine_cosine(degrees: f64) -> (f64, f64) {
+pub(super) fn sine_cosine(degrees: f64) -> [f64; 2] {
     let x = degrees * (std::f64::consts::PI / 180.0);
     let (mut sine, mut cosine, mut term) = (0.0, 0.0, 1.0);
     // π^40 / 40! is below 10^-27.
@@ -231,7 +231,7 @@ pub(super) fn sine_cosine(degrees: f64) -> (f64, f64) {
         }
         term *= x / f64::from(n + 1);
     }
-    (sine, cosine)
+    [sine, cosine]
 }
 
 /// A prism over a polygon that runs counterclockwise, from z = 0 to `height`.
@@ -263,13 +263,13 @@ fn stair(steps: u32) -> Domain {
 }
 
 fn wedge(angle: f64) -> Domain {
-    let (sine, cosine) = sine_cosine(angle);
+    let [sine, cosine] = sine_cosine(angle);
     prism(&[[0.0, 0.0], [1.0, 0.0], [cosine, sine]], 1.0)
 }
 
 fn spike(angle: f64) -> Domain {
     let mut domain = unit_cube();
-    let (sine, cosine) = sine_cosine(angle / 2.0);
+    let [sine, cosine] = sine_cosine(angle / 2.0);
     // Half of the base: the height is 1, and the tangent is of half the angle.
     let half = sine / cosine;
     for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]] {
@@ -296,7 +296,7 @@ fn gear() -> Domain {
                 let radius = bore.unwrap_or(outer);
                 let full = degrees + 30.0 * tooth as f64;
                 // The series is for angles up to 180 degrees.
-                let (sine, cosine) = sine_cosine(if full > 180.0 { full - 360.0 } else { full });
+                let [sine, cosine] = sine_cosine(if full > 180.0 { full - 360.0 } else { full });
                 [radius * cosine, radius * sine, z]
             })
         })

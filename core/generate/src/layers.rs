@@ -137,6 +137,14 @@ fn levels(thicknesses: &[f64]) -> Vec<f64> {
     std::iter::once(0.0).chain(tops).collect()
 }
 
+/// A cell at a side.
+#[derive(Clone, Copy)]
+struct Owner {
+    cell: usize,
+    /// The side, in the direction in which the cell has it.
+    side: [u32; 2],
+}
+
 impl Cell {
     /// The sides from corner to corner, counter-clockwise.
     fn sides(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
@@ -156,11 +164,11 @@ impl Plan {
         Extruded { plan: self, levels, materials: (0..self.cells.len()).map(of).collect() }
     }
 
-    /// Per side the one or two cells at it, each with the direction in which it has the side.
-    fn owners(&self) -> BTreeMap<[u32; 2], Vec<(usize, [u32; 2])>> {
-        let mut owners: BTreeMap<[u32; 2], Vec<(usize, [u32; 2])>> = BTreeMap::new();
+    /// Per side the one or two cells at it.
+    fn owners(&self) -> BTreeMap<[u32; 2], Vec<Owner>> {
+        let mut owners: BTreeMap<[u32; 2], Vec<Owner>> = BTreeMap::new();
         let mut add = |cell: usize, [a, b]: [u32; 2]| {
-            owners.entry([a.min(b), a.max(b)]).or_default().push((cell, [a, b]));
+            owners.entry([a.min(b), a.max(b)]).or_default().push(Owner { cell, side: [a, b] });
         };
         for (number, cell) in self.cells.iter().enumerate() {
             cell.sides().for_each(|side| add(number, side));
@@ -236,8 +244,8 @@ impl Extruded<'_> {
     }
 
     /// The wall between the cells at a side in a layer, if their materials differ.
-    fn wall(&self, cells: &[(usize, [u32; 2])], layer: usize) -> Option<Facet> {
-        let material = |k: usize| cells.get(k).and_then(|(cell, _)| self.materials[*cell][layer]);
+    fn wall(&self, cells: &[Owner], layer: usize) -> Option<Facet> {
+        let material = |k: usize| cells.get(k).and_then(|owner| self.materials[owner.cell][layer]);
         if material(0) == material(1) {
             return None;
         }
@@ -246,13 +254,13 @@ impl Extruded<'_> {
             (Some(a), Some(b)) => usize::from(b < a),
             (first, _) => usize::from(first.is_none()),
         };
-        let [a, b] = cells[from].1;
+        let [a, b] = cells[from].side;
         let corners = [(a, layer), (b, layer), (b, layer + 1), (a, layer + 1)];
         Some(Facet::polygon(&corners.map(|(p, level)| self.number(p, level)), WALL))
     }
 
     /// A point in every void that is closed all around.
-    fn voids(&self, owners: &BTreeMap<[u32; 2], Vec<(usize, [u32; 2])>>) -> Vec<Point> {
+    fn voids(&self, owners: &BTreeMap<[u32; 2], Vec<Owner>>) -> Vec<Point> {
         let layers = self.levels.len().saturating_sub(1);
         let mut seen: Vec<Vec<bool>> =
             self.materials.iter().map(|of| of.iter().map(Option::is_some).collect()).collect();
@@ -271,9 +279,11 @@ impl Extruded<'_> {
                 is_open |= layer == 0 || layer + 1 == layers;
                 stack.extend(layer.checked_sub(1).map(|below| (cell, below)));
                 stack.extend((layer + 1 < layers).then_some((cell, layer + 1)));
-                for cells in owners.values().filter(|all| all.iter().any(|(c, _)| *c == cell)) {
+                for cells in
+                    owners.values().filter(|all| all.iter().any(|owner| owner.cell == cell))
+                {
                     is_open |= cells.len() == 1;
-                    stack.extend(cells.iter().map(|(other, _)| (*other, layer)));
+                    stack.extend(cells.iter().map(|other| (other.cell, layer)));
                 }
             }
             if found && !is_open {

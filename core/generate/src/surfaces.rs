@@ -15,7 +15,7 @@ use ltbw_exact::Point;
 pub(super) fn around(part: u32, parts: u32) -> [f64; 2] {
     let degrees = 360.0 * f64::from(part % parts) / f64::from(parts);
     // The series is for angles up to 180 degrees.
-    let (sine, cosine) = sine_cosine(if degrees > 180.0 { degrees - 360.0 } else { degrees });
+    let [sine, cosine] = sine_cosine(if degrees > 180.0 { degrees - 360.0 } else { degrees });
     [cosine, sine]
 }
 
@@ -68,7 +68,7 @@ pub fn globe(rows: u32, columns: u32, noise: f64, seed: u64) -> Domain {
     let (rings, columns) = (rows.max(3) - 2, columns.max(3));
     let mut vertices = vec![[0.0, 0.0, 0.5]];
     for row in 1..=rings {
-        let (sine, cosine) = sine_cosine(180.0 * f64::from(row) / f64::from(rings + 1));
+        let [sine, cosine] = sine_cosine(180.0 * f64::from(row) / f64::from(rings + 1));
         let column = |i| around(i, columns).map(|c| c * sine / 2.0);
         vertices.extend((0..columns).map(column).map(|[x, y]| [x, y, cosine / 2.0]));
     }
@@ -128,7 +128,7 @@ pub fn book(sheets: u32, degrees: f64) -> Domain {
     // The hinge.
     vertices.extend([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]);
     for i in 0..sheets {
-        let (sine, cosine) = sine_cosine((f64::from(i) * degrees).min(180.0));
+        let [sine, cosine] = sine_cosine((f64::from(i) * degrees).min(180.0));
         let first = vertices.len() as u32;
         vertices.extend([-0.5, 0.5].map(|z| [0.75 * cosine, 0.75 * sine, z]));
         facets.push(Facet::polygon(&[8, first, first + 1, 9], 1));

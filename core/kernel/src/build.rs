@@ -4,7 +4,7 @@ use crate::PredicateStats;
 use crate::arena::{NoMemory, ask_for};
 use crate::cavity::{Admission, AdmitAll, Setback};
 use crate::geometry::Geometry;
-use crate::mesh::{Mesh, Placed, Vertex};
+use crate::mesh::{Corner, Duplicate, Mesh, Placed, Vertex};
 use crate::order::{bounding_box, brio_hilbert};
 use crate::sync::CancelToken;
 use crate::topology::MAX_TETS;
@@ -158,8 +158,8 @@ pub struct Built {
     pub outcome: Outcome,
     /// Figures of the build.
     pub stats: Stats,
-    /// Input indices of duplicates met, each with the index of the vertex kept; ascending.
-    pub duplicates: Vec<(Vertex, Vertex)>,
+    /// Duplicates met, by input indices, ascending.
+    pub duplicates: Vec<Duplicate>,
 }
 
 /// Builds the Delaunay mesh of a point set.
@@ -252,8 +252,8 @@ impl<'a> Builder<'a> {
         let mut mesh = Mesh::start(geometry, set.mode(), corners, tets);
         mesh.next_number = set.len() as Vertex;
         let outcome = self.insert_all(&mut mesh, &points, &order, &mut AdmitAll);
-        for pair in &mut mesh.duplicates {
-            pair.1 = mesh.numbers[pair.1 as usize];
+        for duplicate in &mut mesh.duplicates {
+            duplicate.kept = mesh.numbers[duplicate.kept as usize];
         }
         mesh.duplicates.sort_unstable();
         Ok(Built {
@@ -299,7 +299,7 @@ impl<'a> Builder<'a> {
         Ok(Some(order))
     }
 
-    /// Inserts `order[4..]`. Meanwhile the second entries of duplicates are kernel vertices.
+    /// Inserts `order[4..]`. Meanwhile the kept ones of duplicates are kernel vertices.
     fn insert_all<A: Admission>(
         &self,
         mesh: &mut Mesh,
@@ -381,7 +381,7 @@ fn insert_next<A: Admission>(
         let kept = &mut mesh.numbers[v.index()];
         let duplicate = number.max(*kept);
         *kept = number.min(*kept);
-        mesh.duplicates.push((duplicate, v.number()));
+        mesh.duplicates.push(Duplicate { number: duplicate, kept: v.number() });
     }
     Ok(())
 }
@@ -398,7 +398,7 @@ pub fn independent(points: &[Point]) -> Result<[u32; 4], BuildError> {
 
 /// Brings four affinely independent points to the front of `order`, the earliest there are, and
 /// returns them positively oriented.
-fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[(Point, Vertex); 4], BuildError> {
+fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[Corner; 4], BuildError> {
     let at = |order: &[u32], k: usize| points[order[k] as usize];
     let distinct = || {
         let mut sorted = points.to_vec();
@@ -420,8 +420,9 @@ fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[(Point, Vertex); 4]
             order[count..=k].rotate_right(1);
             count += 1;
             if count == 4 {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|i| (at(order, i), order[i]));
-                let positive = orient3d(&a.0, &b.0, &c.0, &d.0) == Sign::Positive;
+                let corner = |i: usize| Corner { p: at(order, i), number: order[i] };
+                let [a, b, c, d] = [0, 1, 2, 3].map(corner);
+                let positive = orient3d(&a.p, &b.p, &c.p, &d.p) == Sign::Positive;
                 return Ok(if positive { [a, b, c, d] } else { [b, a, c, d] });
             }
         }

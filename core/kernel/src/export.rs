@@ -1,6 +1,6 @@
 //! A mesh as plain arrays.
 
-use crate::mesh::{Mesh, Vertex};
+use crate::mesh::{Duplicate, Mesh, Vertex};
 use crate::tetmesh::TetMesh;
 use ltbw_exact::Point;
 
@@ -32,13 +32,13 @@ impl Mesh {
     /// points that came later. A duplicate has the coordinates of the vertex at its place; a point
     /// that a build did not reach has NaN.
     pub fn points(&self) -> Vec<Point> {
-        let count = self.duplicates.iter().map(|&(d, _)| d + 1).max().unwrap_or(0);
+        let count = self.duplicates.iter().map(|d| d.number + 1).max().unwrap_or(0);
         let mut points = vec![[f64::NAN; 3]; self.next_number.max(count) as usize];
         for (v, p) in self.vertices() {
             points[v as usize] = p;
         }
-        for &(duplicate, kept) in &self.duplicates {
-            points[duplicate as usize] = points[kept as usize];
+        for &Duplicate { number, kept } in &self.duplicates {
+            points[number as usize] = points[kept as usize];
         }
         points
     }

@@ -410,13 +410,14 @@ impl Predicates<'_> {
     }
 }
 
-/// Decides what is still unknown, one after the other.
+/// Decides what is still open, one after the other; adds it to the known `conflicts`.
 #[inline(always)]
 fn decide_rest(
     conflict: &mut impl Conflict,
     topology: &Topology,
     tets: [TetId; 4],
-    (mut conflicts, mut open): (u32, u32),
+    mut conflicts: u32,
+    mut open: u32,
 ) -> u32 {
     while open != 0 {
         if conflict.in_conflict(topology, tets[open.trailing_zeros() as usize & 3]) {
@@ -466,8 +467,8 @@ impl Conflict for PointConflict<'_> {
 
     #[inline(never)]
     fn by_points(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
-        let known = self.geometry.predicates().filter(topology, tets, unknown, &self.p);
-        decide_rest(self, topology, tets, known)
+        let (conflicts, open) = self.geometry.predicates().filter(topology, tets, unknown, &self.p);
+        decide_rest(self, topology, tets, conflicts, open)
     }
 
     #[cold]

@@ -79,7 +79,7 @@ pub use cavity::{Admission, AdmitAll, Role};
 pub use geometry::PredicateStats;
 pub use hash::{HashError, MeshHash, canonical_hash};
 pub use ltbw_exact::{Mode, Point, PointError, PointSet, Sign};
-pub use mesh::{InsertError, Inserted, Mesh, Vertex};
+pub use mesh::{Duplicate, InsertError, Inserted, Mesh, Vertex};
 #[doc(inline)]
 pub use random::Random;
 pub use snapshot::{Snapshot, SnapshotError};

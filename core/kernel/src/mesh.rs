@@ -16,6 +16,7 @@ use crate::PredicateStats;
 use crate::cavity::{Admission, AdmitAll, Cavity, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
+pub use crate::numbering::Duplicate;
 use crate::numbering::Numbering;
 use crate::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
 use crate::transaction::{OpenCavity, Opens};
@@ -101,8 +102,7 @@ pub struct Mesh {
     cavity: Cavity,
     /// Public number by kernel vertex; entry 0 stands for the vertex at infinity.
     pub(crate) numbers: Vec<Vertex>,
-    /// Public numbers of duplicates, each with the vertex at its place.
-    pub(crate) duplicates: Vec<(Vertex, Vertex)>,
+    pub(crate) duplicates: Vec<Duplicate>,
     mode: Mode,
     /// Number that the next inserted point gets.
     pub(crate) next_number: Vertex,
@@ -110,6 +110,14 @@ pub struct Mesh {
     hint: TetId,
     /// Made as somebody asks for it.
     numbering: OnceLock<Numbering>,
+}
+
+/// A corner of the first tetrahedron.
+#[derive(Clone, Copy)]
+pub(crate) struct Corner {
+    /// Kernel coordinates.
+    pub(crate) p: Point,
+    pub(crate) number: Vertex,
 }
 
 impl Opens for Mesh {
@@ -136,12 +144,12 @@ impl Mesh {
     pub(crate) fn start(
         mut geometry: Geometry,
         mode: Mode,
-        corners: [(Point, Vertex); 4],
+        corners: [Corner; 4],
         tets: usize,
     ) -> Self {
         let mut topology = Topology::with_capacity(tets);
         let mut numbers = vec![Vertex::MAX];
-        for (p, number) in corners {
+        for Corner { p, number } in corners {
             geometry.push(p);
             numbers.push(number);
         }
@@ -150,7 +158,7 @@ impl Mesh {
         geometry.created(
             topology.slots(),
             &Star { tets: &[TetId::default()], rim: &corner[..3], faces: &[[0, 1, 2, 0]] },
-            &corners[3].0,
+            &corners[3].p,
         );
         Self {
             topology,
@@ -399,8 +407,8 @@ impl Mesh {
         (1..self.numbers.len()).map(|v| (self.numbers[v], self.mode.from_kernel(points[v])))
     }
 
-    /// The duplicates: each number with that of the vertex at the same place.
-    pub fn duplicates(&self) -> &[(Vertex, Vertex)] {
+    /// The duplicates, ascending.
+    pub fn duplicates(&self) -> &[Duplicate] {
         &self.duplicates
     }
 

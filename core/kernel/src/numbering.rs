@@ -2,6 +2,29 @@
 
 use crate::topology::{INFINITE, VertexId};
 
+/// A point at the place of a vertex. It is stored as the pair of both numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "(u32, u32)", into = "(u32, u32)"))]
+pub struct Duplicate {
+    /// Number of the point.
+    pub number: u32,
+    /// Number of the vertex at its place, which is smaller.
+    pub kept: u32,
+}
+
+impl From<(u32, u32)> for Duplicate {
+    fn from((number, kept): (u32, u32)) -> Self {
+        Self { number, kept }
+    }
+}
+
+impl From<Duplicate> for (u32, u32) {
+    fn from(duplicate: Duplicate) -> Self {
+        (duplicate.number, duplicate.kept)
+    }
+}
+
 /// Kernel vertices by public number.
 #[derive(Debug)]
 pub(crate) enum Numbering {
@@ -13,9 +36,9 @@ pub(crate) enum Numbering {
 
 impl Numbering {
     /// The numbering of kernel vertices with `numbers`, of which the first stands for the vertex at
-    /// infinity, and of `duplicates`, each with a number that is kept.
-    pub(crate) fn new(numbers: &[u32], duplicates: &[(u32, u32)]) -> Self {
-        let all = numbers.iter().skip(1).copied().chain(duplicates.iter().map(|pair| pair.0));
+    /// infinity, and of `duplicates`.
+    pub(crate) fn new(numbers: &[u32], duplicates: &[Duplicate]) -> Self {
+        let all = numbers.iter().skip(1).copied().chain(duplicates.iter().map(|d| d.number));
         let count = all.max().map_or(0, |v| v as usize + 1);
         let used = numbers.len() + duplicates.len();
         if count > 4 * used + 1024 {
@@ -26,24 +49,25 @@ impl Numbering {
     }
 
     /// `count` is above all numbers.
-    fn dense(numbers: &[u32], duplicates: &[(u32, u32)], count: usize) -> Self {
+    fn dense(numbers: &[u32], duplicates: &[Duplicate], count: usize) -> Self {
         let mut kernel = vec![INFINITE; count];
         for (v, &number) in (0..).map(VertexId::new).zip(numbers).skip(1) {
             kernel[number as usize] = v;
         }
-        for &(duplicate, kept) in duplicates {
-            kernel[duplicate as usize] = kernel[kept as usize];
+        for &Duplicate { number, kept } in duplicates {
+            kernel[number as usize] = kernel[kept as usize];
         }
         Self::Dense(kernel)
     }
 
-    fn sparse(numbers: &[u32], duplicates: &[(u32, u32)]) -> Self {
+    fn sparse(numbers: &[u32], duplicates: &[Duplicate]) -> Self {
         let vertices = (0..).map(VertexId::new).zip(numbers).skip(1);
         let mut pairs: Vec<_> = vertices.map(|(v, &number)| (number, v)).collect();
         pairs.sort_unstable();
         let kept = Self::Sparse(pairs);
         let duplicates = duplicates.iter();
-        let mut all: Vec<_> = duplicates.filter_map(|d| Some((d.0, kept.get(d.1)?))).collect();
+        let mut all: Vec<_> =
+            duplicates.filter_map(|d| Some((d.number, kept.get(d.kept)?))).collect();
         if let Self::Sparse(pairs) = kept {
             all.extend(pairs);
         }

@@ -53,9 +53,9 @@ fn in_rounds(points: &[Point], rounds: u32) -> Vec<u32> {
     let frame = Cube::around(points.iter());
     let key = |(i, p): (usize, &Point)| {
         let round = round_of(i as u32, rounds);
-        (u64::from(round) << (3 * BITS) | frame.key(p), i as u32)
+        Keyed { key: u64::from(round) << (3 * BITS) | frame.key(p), index: i as u32 }
     };
-    let mut keyed: Vec<(u64, u32)>;
+    let mut keyed: Vec<Keyed>;
     if points.len() < MANY {
         keyed = points.iter().enumerate().map(key).collect();
         keyed.sort_unstable();
@@ -64,23 +64,30 @@ fn in_rounds(points: &[Point], rounds: u32) -> Vec<u32> {
         keyed.par_sort_unstable();
     }
     refine(points, &mut keyed, 1);
-    keyed.into_iter().map(|(_, i)| i).collect()
+    keyed.into_iter().map(|keyed| keyed.index).collect()
+}
+
+/// A point by its key.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Keyed {
+    key: u64,
+    index: u32,
 }
 
 /// Sorts each long run of equal keys in the box of its own points.
-fn refine(points: &[Point], keyed: &mut [(u64, u32)], depth: usize) {
+fn refine(points: &[Point], keyed: &mut [Keyed], depth: usize) {
     if depth == MAX_DEPTH {
         return;
     }
-    let is_one = |a: &(u64, u32), b: &(u64, u32)| a.0 == b.0;
-    let is_long = |run: &&mut [(u64, u32)]| run.len() > SHORT_RUN;
-    let refine_run = |run: &mut [(u64, u32)]| {
-        let frame = Cube::around(run.iter().map(|&(_, i)| &points[i as usize]));
+    let is_one = |a: &Keyed, b: &Keyed| a.key == b.key;
+    let is_long = |run: &&mut [Keyed]| run.len() > SHORT_RUN;
+    let refine_run = |run: &mut [Keyed]| {
+        let frame = Cube::around(run.iter().map(|point| &points[point.index as usize]));
         if frame.side == 0.0 {
             return; // all the same point
         }
-        for (key, i) in run.iter_mut() {
-            *key = frame.key(&points[*i as usize]);
+        for Keyed { key, index } in run.iter_mut() {
+            *key = frame.key(&points[*index as usize]);
         }
         run.sort_unstable();
         refine(points, run, depth + 1);

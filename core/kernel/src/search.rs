@@ -24,13 +24,13 @@ impl Search {
     /// Finds the cavity of a point in kernel coordinates, which is no vertex, from `start`, which
     /// has to be in conflict with it; gives up where another tetrahedron of the closure is one
     /// that bars it, and returns `false`. Ends: each tetrahedron enters once.
-    pub fn find<B>(&mut self, mesh: &Mesh, (p, start): (&Point, TetId), bars: B) -> bool
+    pub fn find<B>(&mut self, mesh: &Mesh, p: &Point, start: TetId, bars: B) -> bool
     where
         B: Fn(TetId) -> bool,
     {
         let mut stats = self.stats;
         let mut conflict = SharedConflict::new(&mesh.geometry, p, &mut stats);
-        let tests = self.find_by(mesh.topology(), (&mut conflict, start), bars);
+        let tests = self.find_by(mesh.topology(), &mut conflict, start, bars);
         stats.insphere_calls += tests.unwrap_or(0);
         self.stats = stats;
         tests.is_some()
@@ -42,7 +42,8 @@ impl Search {
     pub(crate) fn find_by<C: Conflict, B: Fn(TetId) -> bool>(
         &mut self,
         all: &Topology,
-        (by, t): (&mut C, TetId),
+        by: &mut C,
+        t: TetId,
         bars: B,
     ) -> Option<u64> {
         let Self { tets, set, .. } = self;
@@ -127,11 +128,11 @@ mod tests {
                 let closure: Vec<TetId> = around.map(tet_of).chain(tets.iter().copied()).collect();
                 let some = mesh.topology().iter().map(|(t, _)| t).step_by(29);
                 for t in closure.iter().copied().chain(some) {
-                    let is_found = search.find(&mesh, (p, tets[0]), |other| other == t);
+                    let is_found = search.find(&mesh, p, tets[0], |other| other == t);
                     let is_barred = t != tets[0] && closure.contains(&t);
                     assert_eq!(is_found, !is_barred, "{kind:?} {p:?} {t:?}");
                 }
-                assert!(search.find(&mesh, (p, tets[0]), |_| false));
+                assert!(search.find(&mesh, p, tets[0], |_| false));
                 assert_eq!(search.tets(), tets, "{kind:?} {p:?}");
                 for t in mesh.tet_ids() {
                     assert_eq!(search.has(t), tets.contains(&t), "{kind:?} {p:?}");

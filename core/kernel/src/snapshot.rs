@@ -17,7 +17,7 @@
 
 use crate::build::{BuildError, Builder};
 use crate::hash::{HashError, MeshHash};
-use crate::mesh::{Mesh, Vertex};
+use crate::mesh::{Duplicate, Mesh, Vertex};
 use ltbw_exact::Point;
 use ltbw_exact::points::{MAX_POINTS, PointError, PointSet};
 
@@ -61,8 +61,8 @@ pub struct Snapshot {
     pub schema: String,
     /// The vertices, by number ascending.
     pub vertices: Vec<StoredVertex>,
-    /// Numbers of duplicates with that of the vertex at their place, ascending.
-    pub duplicates: Vec<(Vertex, Vertex)>,
+    /// The duplicates, ascending.
+    pub duplicates: Vec<Duplicate>,
     /// The number that the next inserted point gets.
     pub next: Vertex,
     /// The canonical hash of the mesh.
@@ -185,8 +185,8 @@ impl Snapshot {
         let points = self.vertices.iter().map(|v| v.bits.map(f64::from_bits)).collect();
         let built = Builder::new().build(&PointSet::new(points)?)?;
         let number = |index: Vertex| self.vertices[index as usize].number;
-        if let Some(&(second, first)) = built.duplicates.first() {
-            let (first, second) = (number(first), number(second));
+        if let Some(duplicate) = built.duplicates.first() {
+            let (first, second) = (number(duplicate.kept), number(duplicate.number));
             return Err(SnapshotError::SamePlace { first, second });
         }
         let mut mesh = built.mesh;
@@ -218,7 +218,7 @@ impl Snapshot {
         }
         let is_vertex = |n: Vertex| self.vertices.binary_search_by_key(&n, |v| v.number).is_ok();
         let mut least = 0;
-        for (index, &(duplicate, kept)) in self.duplicates.iter().enumerate() {
+        for (index, &Duplicate { number: duplicate, kept }) in self.duplicates.iter().enumerate() {
             let ordered = duplicate >= least && duplicate < next && kept < duplicate;
             if !ordered || is_vertex(duplicate) || !is_vertex(kept) {
                 return Err(SnapshotError::Duplicate { index, duplicate, kept });

@@ -29,8 +29,10 @@ mod star;
 mod walk;
 
 pub use crate::mesh::Assembly;
-pub use assemble::{AssembleError, Numbers, assemble};
+pub use assemble::{AssembleError, Beyond, Numbered, Numbers, assemble};
+pub use insert::Earlier;
 pub use lock::Closure;
+pub use star::StarTet;
 
 use crate::cavity::{Cavity, Conflict};
 use crate::geometry::Geometry;
@@ -46,6 +48,17 @@ use std::ops::Range;
 const PLACES: usize = 4096;
 /// The number of these places for the submesh's own vertices at the start.
 const OWN_PLACES: usize = 1024;
+
+/// The work that a submesh has done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Steps of walks.
+    pub walk_steps: u64,
+    /// Conflict tests.
+    pub tests: u64,
+    /// Tetrahedra made.
+    pub made: u64,
+}
 
 /// The outcome of point location. `T` is a tetrahedron, `F` a far handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -363,9 +376,10 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.far.take_changed(list);
     }
 
-    /// Steps of walks, conflict tests and tetrahedra made so far.
-    pub fn work(&self) -> (u64, u64, u64) {
-        (self.steps, self.geometry.stats.insphere_calls, self.made)
+    /// The work done so far.
+    pub fn work(&self) -> Work {
+        let tests = self.geometry.stats.insphere_calls;
+        Work { walk_steps: self.steps, tests, made: self.made }
     }
 
     /// Tags `t`: should an insertion remove it, its tag is among [`Submesh::take_removed_tags`]

@@ -3,8 +3,8 @@
 use ltbw_core::invariants::check_all;
 use ltbw_core::topology::TetId;
 use ltbw_core::{
-    Budget, BuildError, Builder, CancelToken, InsertError, Inserted, Mesh, Observer, Order,
-    Outcome, Phase, Progress, Role,
+    Budget, BuildError, Builder, CancelToken, Duplicate, InsertError, Inserted, Mesh, Observer,
+    Order, Outcome, Phase, Progress, Role,
 };
 use ltbw_exact::{Point, PointError, PointSet};
 use ltbw_generate::{PointKind, generate};
@@ -246,8 +246,9 @@ fn duplicates_keep_the_smallest_index() {
     points.push([5.0, 5.0, 5.0]);
     for order in [Order::Brio, Order::Input] {
         let built = Builder::new().order(order).build(&set(points.clone())).expect("a mesh");
-        let mut expected: Vec<(u32, u32)> = (0..n).map(|i| (n + i, i)).collect();
-        expected.push((2 * n, 0));
+        let mut expected: Vec<Duplicate> =
+            (0..n).map(|i| Duplicate { number: n + i, kept: i }).collect();
+        expected.push(Duplicate { number: 2 * n, kept: 0 });
         assert_eq!(built.duplicates, expected);
         assert_eq!(built.mesh.num_vertices(), n as usize + 1);
         let mesh = built.mesh.to_tet_mesh();

@@ -2,7 +2,7 @@
 
 use ltbw_core::query::{Conflicts, Cursor, Location, Queries};
 use ltbw_core::topology::{INFINITE, TetId};
-use ltbw_core::{Builder, Inserted, Mesh, Vertex};
+use ltbw_core::{Builder, Duplicate, Inserted, Mesh, Vertex};
 use ltbw_exact::predicates::{Sign, cmp_xyz, exact, orient3d, perturb};
 use ltbw_exact::{Mode, Point, PointError, PointSet};
 use ltbw_generate::{PointKind, generate};
@@ -212,9 +212,9 @@ fn stars_neighbours_and_edges_agree_with_a_recount() {
             assert_eq!(cursor.is_on_hull(v), Some(hull.contains(&v)));
             assert_eq!((queries.point(v), queries.vertex(v)), (Some(point), Some(v)));
         }
-        for &(duplicate, kept) in mesh.duplicates() {
-            assert_eq!(queries.vertex(duplicate), Some(kept));
-            assert_eq!(cursor.star(duplicate).map(<[TetId]>::len), Some(stars[&kept].len()));
+        for &Duplicate { number, kept } in mesh.duplicates() {
+            assert_eq!(queries.vertex(number), Some(kept));
+            assert_eq!(cursor.star(number).map(<[TetId]>::len), Some(stars[&kept].len()));
         }
         let listed: Vec<[Vertex; 2]> = cursor.edges().collect();
         assert_eq!(listed.len(), edges.len(), "{name}: each edge once");
@@ -266,7 +266,8 @@ fn conflict_zones_agree_with_testing_everything_and_with_inserting() {
                     gone = sorted(region.tets.iter().filter_map(|&t| mesh.tet(t)));
                     (hull_gone, horizon) = (region.hull.len(), region.horizon.len());
                     boundary = region.boundary.to_vec();
-                    check_walls(&mesh, &at, &p, &boundary, region.hull, region.horizon);
+                    check_walls(&mesh, &at, &p, &boundary);
+                    check_horizon(region.hull, region.horizon);
                 }
             }
             if gone.is_empty() {
@@ -307,8 +308,6 @@ fn check_walls(
     at: &BTreeMap<Vertex, Point>,
     p: &Point,
     boundary: &[ltbw_core::query::RegionFace],
-    hull: &[[Vertex; 3]],
-    horizon: &[[Vertex; 2]],
 ) {
     for bound in boundary {
         let [a, b, c] = bound.corners.map(|v| at[&v]);
@@ -318,6 +317,9 @@ fn check_walls(
             assert!(bound.corners.iter().all(|v| tet.contains(v)));
         }
     }
+}
+
+fn check_horizon(hull: &[[Vertex; 3]], horizon: &[[Vertex; 2]]) {
     // The horizon is the boundary of the hull facets: their edges that have no partner.
     let edges: BTreeSet<[Vertex; 2]> =
         hull.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();

@@ -1,7 +1,7 @@
 //! Snapshots of meshes, and the feature `serde`: there and back, and refusals.
 
 use ltbw_core::snapshot::StoredVertex;
-use ltbw_core::{Budget, BuildError, Builder, Inserted, Mesh, Snapshot, SnapshotError};
+use ltbw_core::{Budget, BuildError, Builder, Duplicate, Inserted, Mesh, Snapshot, SnapshotError};
 use ltbw_exact::{Mode, PointError, PointSet};
 use ltbw_generate::{PointKind, generate};
 
@@ -60,7 +60,7 @@ fn a_count_without_vertices_is_refused_and_costs_no_memory() {
     let most = 1 << 20;
     let last = mesh.vertices.last_mut().expect("a vertex");
     let moved = std::mem::replace(&mut last.number, most);
-    mesh.duplicates.retain(|d| d.1 != moved);
+    mesh.duplicates.retain(|d| d.kept != moved);
     assert!(!mesh.duplicates.is_empty());
     mesh.next = most + 1;
     let error = mesh.restore().expect_err("a number out of proportion");
@@ -71,8 +71,8 @@ fn a_count_without_vertices_is_refused_and_costs_no_memory() {
     for (v, p) in trusted.vertices() {
         assert_eq!((queries.vertex(v), queries.point(v)), (Some(v), Some(p)));
     }
-    for &(duplicate, kept) in trusted.duplicates() {
-        assert_eq!(queries.vertex(duplicate), Some(kept));
+    for &Duplicate { number, kept } in trusted.duplicates() {
+        assert_eq!(queries.vertex(number), Some(kept));
     }
     for absent in [moved, most - 1, most + 1, u32::MAX] {
         assert_eq!(queries.vertex(absent), None);
@@ -103,7 +103,7 @@ fn corrupt_snapshots_are_refused_with_the_reason() {
     assert!(matches!(refused(&|s| s.next = 50), SnapshotError::Number { next: 50, .. }));
     assert!(matches!(refused(&|s| s.next = u32::MAX), SnapshotError::Next { next: u32::MAX, .. }));
     for change in [(299, 298), (0, 0), (5, 200), (300, 0)] {
-        let error = refused(&|s| s.duplicates[1] = change);
+        let error = refused(&|s| s.duplicates[1] = change.into());
         assert!(matches!(error, SnapshotError::Duplicate { .. }), "{change:?}: {error}");
     }
     let (first, second) = (sound.vertices[10].number, sound.vertices[12].number);

@@ -1,7 +1,7 @@
 //! Submeshes that are told nonsense: they stay inside their arrays.
 
 use ltbw_core::search::Search;
-use ltbw_core::submesh::{Closure, MeshParams, Submesh};
+use ltbw_core::submesh::{Closure, MeshParams, StarTet, Submesh};
 use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, TetId, VertexId};
 use ltbw_core::{Mode, Point, Random};
 use ltbw_generate::{PointKind, generate};
@@ -49,12 +49,9 @@ fn walks_and_closures_stay_inside_whatever_the_links_are() {
                 2 => mesh.link_far(face(t, below(4)), step).expect("room"),
                 3 => {
                     let star = [[1, 2, 3], [2, 1, 4]].map(|bound| {
-                        (
-                            bound,
-                            [0; 4].map(|_| {
-                                (below(2) == 1).then(|| face(TetId::new(below(2)), below(4)))
-                            }),
-                        )
+                        let links = [0; 4]
+                            .map(|_| (below(2) == 1).then(|| face(TetId::new(below(2)), below(4))));
+                        StarTet { border: bound, links }
                     });
                     let corners = [0; 5].map(|_| VertexId::new(1 + below(POINTS)));
                     let mut made = Vec::new();
@@ -137,12 +134,12 @@ fn numbers_of_nothing_are_refused() {
     refused("set points", &mut |mesh| mesh.set_points(b, &points));
     refused("create", &mut |mesh| _ = mesh.create([a, b, c, beyond]));
     refused("star", &mut |mesh| {
-        let star = [([1, 2, 3], [None; 4])];
+        let star = [StarTet { border: [1, 2, 3], links: [None; 4] }];
         _ = mesh.create_star(&[a, b, VertexId::new(99), c], star.into_iter(), &mut Vec::new());
     });
-    for star in
-        [[([1, 2, 3], [Some(face(TetId::new(1), 0)), None, None, None])], [([1, 2, 4], [None; 4])]]
-    {
+    let beyond = [Some(face(TetId::new(1), 0)), None, None, None];
+    for (border, links) in [([1, 2, 3], beyond), ([1, 2, 4], [None; 4])] {
+        let star = [StarTet { border, links }];
         let all = catch_unwind(AssertUnwindSafe(|| {
             mesh.create_star(&corners, star.into_iter(), &mut Vec::new())
         }));

@@ -67,7 +67,7 @@ pub trait Inspect: Submesh {
 pub struct Between<'a, S: Submesh, Q, C> {
     workers: Vec<&'a Worker<S, Q, C>>,
     /// Sender, receiver, message.
-    under_way: Vec<(WorkerId, WorkerId, &'a Message<S>)>,
+    under_way: Vec<UnderWay<'a, S>>,
     /// By worker.
     seen: Vec<Vec<Seen<S::Tet>>>,
     /// By name: where it is.
@@ -88,11 +88,22 @@ fn require(invariant: Invariant, holds: bool, what: impl FnOnce() -> String) -> 
     if holds { Ok(()) } else { Err(Broken { invariant, what: what() }) }
 }
 
+/// A message under way.
+#[derive(Debug)]
+pub struct UnderWay<'a, S: Submesh> {
+    /// Its sender.
+    pub from: WorkerId,
+    /// Its receiver.
+    pub to: WorkerId,
+    /// The message.
+    pub message: &'a Message<S>,
+}
+
 impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
-    /// Takes a look at all workers, and at all messages under way with their senders and receivers.
+    /// Takes a look at all workers, and at all messages under way.
     pub fn new(
         workers: impl IntoIterator<Item = &'a Worker<S, Q, C>>,
-        under_way: impl IntoIterator<Item = (WorkerId, WorkerId, &'a Message<S>)>,
+        under_way: impl IntoIterator<Item = UnderWay<'a, S>>,
     ) -> Self {
         let workers: Vec<_> = workers.into_iter().collect();
         let under_way: Vec<_> = under_way.into_iter().collect();
@@ -104,7 +115,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
             }
         }
         let (mut sent, mut names) = (Vec::new(), HashSet::new());
-        for (_, _, message) in &under_way {
+        for UnderWay { message, .. } in &under_way {
             match message {
                 Message::Commit { patch: Some(patch), .. } => {
                     sent.extend(S::made(patch));
@@ -153,7 +164,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
 
     /// Is a message of this kind under way to `to`?
     fn is_sent(&self, to: usize, kind: impl Fn(&Message<S>) -> bool) -> bool {
-        self.under_way.iter().any(|&(_, at, message)| at.index() == to && kind(message))
+        self.under_way.iter().any(|letter| letter.to.index() == to && kind(letter.message))
     }
 
     fn commits(&self, to: usize, holder: Option<Ticket>) -> bool {
@@ -186,7 +197,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
                 owners[block.index()] += 1;
             }
         }
-        for (_, _, message) in &self.under_way {
+        for UnderWay { message, .. } in &self.under_way {
             if let Message::Migrate { block, .. } = message {
                 owners[block.index()] += 1;
             }
@@ -348,7 +359,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
             }
             for (&ticket, op) in &worker.operations.all {
                 let Phase::Releasing(open) = op.phase else { continue };
-                let answers = self.under_way.iter().filter(|(_, _, message)| match message {
+                let answers = self.under_way.iter().filter(|letter| match letter.message {
                     Message::Abort { ticket: of, .. } | Message::Aborted { ticket: of, .. } => {
                         *of == ticket
                     }
@@ -366,7 +377,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
     /// is the end of the attempt under way here?
     fn has_cause(&self, at: WorkerId, ticket: Ticket, request: &Request<S>) -> bool {
         let (mut ends, mut open) = (false, request.owed);
-        for &(from, to, message) in &self.under_way {
+        for &UnderWay { from, to, message } in &self.under_way {
             if message.ticket() != Some(ticket) {
                 continue;
             }
@@ -427,7 +438,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
     fn check_p10(&self) -> Check {
         // By kind, not by `is_basic`: a kind that workers forget to count is found.
         let counts = |message: &Message<S>| !["token", "stop"].contains(&message.kind());
-        let basic = self.under_way.iter().filter(|(_, _, message)| counts(message)).count();
+        let basic = self.under_way.iter().filter(|letter| counts(letter.message)).count();
         let sum: i64 = self.workers.iter().map(|worker| worker.termination.count()).sum();
         require(Invariant::P10, !self.counts || sum == basic as i64, || {
             format!("{basic} counted messages are under way, the counts add up to {sum}")
@@ -446,7 +457,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
     }
     fn check_p12(&self) -> Check {
         let mut numbers = NewsNumbers::default();
-        for (_, _, message) in &self.under_way {
+        for UnderWay { message, .. } in &self.under_way {
             count_news(message, &mut numbers, 1);
         }
         self.workers.iter().try_for_each(|worker| check_news(worker, &numbers))

@@ -3,11 +3,18 @@
 use super::name::{NOWHERE, count_of, given};
 use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Tets, To, VertexName, WireVertex};
 use crate::protocol::{BlockId, Directory, Handle, Name, SubmeshError, invariant};
+use ltbw_core::submesh::StarTet;
 use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
 
 fn unknown(what: &'static str, number: u32) -> SubmeshError {
     SubmeshError::Unknown { what, number }
+}
+
+/// A tetrahedron to be made, which is not linked yet.
+struct Unlinked {
+    name: Name,
+    v: [VertexId; 4],
 }
 
 /// Is it the slot of a vertex in a tetrahedron?
@@ -49,8 +56,10 @@ impl LocalMesh {
             To::New(k, slot) => Some(face_of(TetId::new(k), slot)),
             _ => None,
         };
-        let star =
-            patch.create.iter().map(|new| ([new.v[1], new.v[2], new.v[3]], new.n.map(within)));
+        let star = patch.create.iter().map(|new| StarTet {
+            border: [new.v[1], new.v[2], new.v[3]],
+            links: new.n.map(within),
+        });
         tets.clear();
         let is_full =
             !patch.create.is_empty() && self.tets.create_star(&rim, star, &mut tets).is_none();
@@ -197,14 +206,10 @@ impl LocalMesh {
         v
     }
 
-    /// Makes new tetrahedra, given by name and vertices, which are not linked yet; `None` at the
-    /// limit of tetrahedra.
-    fn create_all(
-        &mut self,
-        new: impl ExactSizeIterator<Item = (Name, [VertexId; 4])>,
-    ) -> Option<Vec<TetId>> {
+    /// Makes new tetrahedra, which are not linked yet; `None` at the limit of tetrahedra.
+    fn create_all(&mut self, new: impl ExactSizeIterator<Item = Unlinked>) -> Option<Vec<TetId>> {
         let mut tets = Vec::with_capacity(new.len());
-        for (name, v) in new {
+        for Unlinked { name, v } in new {
             let Some(t) = self.tets.create(v) else {
                 self.fail_for_room();
                 return None;
@@ -260,7 +265,8 @@ impl LocalMesh {
     /// is false for a known-bad variant only. `each` is told them before, in their order.
     pub(crate) fn extract_block(
         &mut self,
-        (block, leaves): (BlockId, bool),
+        block: BlockId,
+        leaves: bool,
         moved: &mut dyn FnMut(TetId, Handle),
         each: impl FnMut(TetId),
     ) -> Vec<Moving> {
@@ -321,7 +327,8 @@ impl LocalMesh {
         }
         let mut new = Vec::with_capacity(cargo.len());
         for moving in &cargo {
-            new.push((moving.name, [0, 1, 2, 3].map(|k| self.take_vertex(&moving.v[k]))));
+            let v = [0, 1, 2, 3].map(|k| self.take_vertex(&moving.v[k]));
+            new.push(Unlinked { name: moving.name, v });
         }
         let Some(tets) = self.create_all(new.into_iter()) else { return };
         for (&t, moving) in tets.iter().zip(&cargo) {

@@ -23,6 +23,9 @@ pub struct Blocks {
     cuts: Option<(Curve, Arc<[u64]>)>,
 }
 
+/// A place, and its weight.
+pub(crate) type Weight = (Point, u64);
+
 impl Blocks {
     /// Cuts vertices 1 to `vertices` into `blocks` blocks of nearly equal size.
     pub fn even(vertices: u32, blocks: u32) -> Self {
@@ -37,7 +40,7 @@ impl Blocks {
     pub(crate) fn weighted(
         curve: Curve,
         points: &[Point],
-        weights: &[(Point, u64)],
+        weights: &[Weight],
         blocks: u32,
     ) -> Self {
         let (k, n) = (u128::from(blocks.max(1)), points.len());

@@ -5,7 +5,7 @@ use super::blocks::{prevailing, prevailing_of};
 use super::corners::Corners;
 use super::name::NOWHERE;
 use super::{At, Link, LocalMesh, NewTet, Patch, Piece, Relink, To, VertexName, WireVertex};
-use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
+use crate::protocol::{BlockId, Directory, Handle, Name, Part, WorkerId};
 use ltbw_core::edges::{EdgeTable, Met};
 use ltbw_core::topology::{FaceId, TetId, slot_of, tet_of};
 
@@ -56,7 +56,7 @@ impl LocalMesh {
     pub(crate) fn fill_cavity(
         &mut self,
         point: &WireVertex,
-        parts: &[(WorkerId, Vec<impl AsRef<Piece>>)],
+        parts: &[Part<impl AsRef<Piece>>],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
@@ -65,20 +65,22 @@ impl LocalMesh {
         self.find_boundary(&mut scratch, point, parts, whereabouts, directory);
         let Scratch { corners, boundary, edges, .. } = &mut scratch;
         // By worker; few have a part.
-        let mut counts: Vec<(WorkerId, u32)> = Vec::with_capacity(parts.len() + 1);
+        let mut counts: Vec<Kept<WorkerId, u32>> = Vec::with_capacity(parts.len() + 1);
         for border in &mut *boundary {
             let place = place_of(&mut counts, border.owner, || 0);
             border.patch = place as u32;
-            border.index = counts[place].1;
-            counts[place].1 += 1;
+            border.index = counts[place].value;
+            counts[place].value += 1;
         }
         join(boundary, edges);
         self.name_boundary(boundary);
-        let mut patches: Vec<(WorkerId, Patch)> = Vec::with_capacity(counts.len() + parts.len());
-        for (owner, count) in counts {
+        let mut patches: Vec<Kept<WorkerId, Patch>> =
+            Vec::with_capacity(counts.len() + parts.len());
+        for Kept { key, value: count } in counts {
             let create = Vec::with_capacity(count as usize);
             let vertices = corners.vertices.clone();
-            patches.push((owner, Patch { vertices, create, ..Patch::default() }));
+            let value = Patch { vertices, create, ..Patch::default() };
+            patches.push(Kept { key, value });
         }
         for (worker, pieces) in parts.iter().filter(|(_, pieces)| !pieces.is_empty()) {
             let patch = patch_of(&mut patches, *worker);
@@ -89,7 +91,7 @@ impl LocalMesh {
             let n = [0, 1, 2, 3].map(|slot| lead(boundary, border, slot));
             let [a, b, c] = border.v;
             let new = NewTet { name: border.name, v: [0, a, b, c], block: border.block, n };
-            patches[border.patch as usize].1.create.push(new);
+            patches[border.patch as usize].value.create.push(new);
             if border.worker != border.owner
                 && let Some(to) = handle_of(border, 0)
             {
@@ -102,9 +104,9 @@ impl LocalMesh {
                 relinks.push(relink);
             }
         }
-        patches.sort_unstable_by_key(|&(worker, _)| worker);
+        patches.sort_unstable_by_key(|kept| kept.key);
         self.scratch = scratch;
-        patches
+        patches.into_iter().map(|Kept { key, value }| (key, value)).collect()
     }
 
     /// The boundary of the cavity, and its corners.
@@ -112,7 +114,7 @@ impl LocalMesh {
         &self,
         scratch: &mut Scratch,
         point: &WireVertex,
-        parts: &[(WorkerId, Vec<impl AsRef<Piece>>)],
+        parts: &[Part<impl AsRef<Piece>>],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) {
@@ -188,7 +190,7 @@ impl LocalMesh {
     fn name_boundary(&mut self, boundary: &mut [BoundaryFace]) {
         // Several faces of one ring tetrahedron may be among the boundary faces: few have a new
         // name.
-        let mut ring: Vec<((WorkerId, TetId), Name)> = Vec::new();
+        let mut ring: Vec<Kept<(WorkerId, TetId), Name>> = Vec::new();
         for k in 0..boundary.len() {
             let (owner, worker) = (boundary[k].owner, boundary[k].worker);
             let beside = boundary[k].beside[1..]
@@ -202,7 +204,7 @@ impl LocalMesh {
                 && boundary[k].ring_name.is_none()
             {
                 let place = place_of(&mut ring, (worker, tet), || self.fresh_name());
-                boundary[k].ring_name = Some(ring[place].1);
+                boundary[k].ring_name = Some(ring[place].value);
             }
         }
     }
@@ -228,18 +230,28 @@ fn lead(boundary: &[BoundaryFace], border: &BoundaryFace, slot: usize) -> To {
     }
 }
 
+/// The value of a key in a short list.
+struct Kept<K, V> {
+    key: K,
+    value: V,
+}
+
 /// The place of `key` in a short list, where it is put with `value` if it is not there.
-fn place_of<K: PartialEq, V>(list: &mut Vec<(K, V)>, key: K, value: impl FnOnce() -> V) -> usize {
-    list.iter().position(|(k, _)| *k == key).unwrap_or_else(|| {
-        list.push((key, value()));
+fn place_of<K: PartialEq, V>(
+    list: &mut Vec<Kept<K, V>>,
+    key: K,
+    value: impl FnOnce() -> V,
+) -> usize {
+    list.iter().position(|kept| kept.key == key).unwrap_or_else(|| {
+        list.push(Kept { key, value: value() });
         list.len() - 1
     })
 }
 
 /// The patch of a worker.
-fn patch_of(patches: &mut Vec<(WorkerId, Patch)>, worker: WorkerId) -> &mut Patch {
+fn patch_of(patches: &mut Vec<Kept<WorkerId, Patch>>, worker: WorkerId) -> &mut Patch {
     let place = place_of(patches, worker, Patch::default);
-    &mut patches[place].1
+    &mut patches[place].value
 }
 
 /// The message of a defect of the protocol: the boundary of a cavity is a closed surface.

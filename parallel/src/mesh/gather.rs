@@ -3,9 +3,9 @@
 use super::name::{count_of, maker_of};
 use super::{LocalMesh, SharedInput, VertexName, given, made};
 use crate::protocol::{Handle, Name, SubmeshError, WorkerId};
-use ltbw_core::submesh::{AssembleError, Assembly, Numbers, assemble};
+use ltbw_core::submesh::{AssembleError, Assembly, Beyond, Numbered, Numbers, assemble};
 use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId};
-use ltbw_core::{Mesh, Vertex};
+use ltbw_core::{Duplicate, Mesh, Vertex};
 use ltbw_exact::Point;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -15,8 +15,8 @@ use rustc_hash::FxHashMap;
 pub struct Gathered {
     /// The whole mesh.
     pub mesh: Mesh,
-    /// Input indices of duplicates met, each with the index of the vertex kept; ascending.
-    pub duplicates: Vec<(Vertex, Vertex)>,
+    /// Duplicates met, by input indices, ascending.
+    pub duplicates: Vec<Duplicate>,
 }
 
 /// The submeshes do not fit together: a defect of the run, never of its input.
@@ -116,15 +116,18 @@ pub fn gather(meshes: Vec<LocalMesh>, common: SharedInput) -> Result<Gathered, G
     numbers.extend((0..made.points.len()).map(|k| next + k as Vertex));
     let next = next + made.points.len() as Vertex;
     let far = |there: Handle| {
-        let &(place, t) = places.get(&there.name)?;
-        Some((place, FaceId::new(t, usize::from(there.face & 3))))
+        let &(submesh, t) = places.get(&there.name)?;
+        Some(Beyond { submesh, face: FaceId::new(t, usize::from(there.face & 3)) })
     };
     let workers: Vec<WorkerId> = meshes.iter().map(|mesh| mesh.me).collect();
     let part = |mesh: LocalMesh| {
         let (first, others) = mesh.vertices.all();
         let first = VertexId::new(first);
         let others = others.map(|name| made.number(name).unwrap_or(INFINITE)).collect();
-        (mesh.tets, Numbers { first, run: mesh.vertices.run(), others })
+        Numbered {
+            submesh: mesh.tets,
+            numbers: Numbers { first, run: mesh.vertices.run(), others },
+        }
     };
     let parts = meshes.into_iter().map(part).collect();
     let assembly = Assembly { points, numbers, duplicates: &duplicates, mode, predicates };

@@ -40,19 +40,19 @@ pub use blocks::Blocks;
 pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
-use probe::Again;
-pub(crate) use probe::TETS_PER_VERTEX;
+pub(crate) use probe::{Again, TETS_PER_VERTEX};
+pub(crate) use start::Cut;
 pub use start::{Layout, Ownership, Prepared, SharedInput};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
 
 use crate::protocol::invariant;
 use crate::protocol::{
-    BlockId, Costs, Directory, Found, Handle, Insert, Name, Neighbour, NoNews, Rules, Submesh,
-    SubmeshError, Ticket, Walk, WorkerId,
+    BlockId, Costs, Directory, Found, Handle, Insert, Name, Neighbour, NoNews, Part, Rules,
+    Submesh, SubmeshError, Ticket, Walk, WorkerId,
 };
 use around::finite;
 use ltbw_core::search::Search;
-use ltbw_core::submesh::{self as kernel, MeshParams};
+use ltbw_core::submesh::{self as kernel, MeshParams, Work};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use name::NOWHERE;
 use rustc_hash::FxHashMap;
@@ -343,12 +343,7 @@ impl Submesh for LocalMesh {
     }
 
     fn insert(&mut self, point: &WireVertex, seed: TetId, directory: &Directory) -> Insert<TetId> {
-        self.insert_seeing(
-            point,
-            (seed, None::<Again<'_, fn(TetId) -> bool>>),
-            directory,
-            |_, _| {},
-        )
+        self.insert_seeing(point, seed, None::<Again<'_, fn(TetId) -> bool>>, directory, |_, _| {})
     }
 
     fn forget(&mut self, point: &WireVertex) {
@@ -384,7 +379,7 @@ impl Submesh for LocalMesh {
         around.into_iter().for_each(|u| f(self.neighbour(u)));
     }
 
-    fn corners(parts: &[(WorkerId, Vec<Piece>)]) -> Vec<u64> {
+    fn corners(parts: &[Part<Piece>]) -> Vec<u64> {
         let pieces = parts.iter().flat_map(|(_, pieces)| pieces);
         finite(pieces.flat_map(|p| p.vertices.iter().map(|vertex| vertex.name)).collect())
     }
@@ -429,7 +424,7 @@ impl Submesh for LocalMesh {
     fn fill(
         &mut self,
         point: &WireVertex,
-        parts: &[(WorkerId, Vec<Piece>)],
+        parts: &[Part<Piece>],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
@@ -465,7 +460,7 @@ impl Submesh for LocalMesh {
         moved: &mut dyn FnMut(TetId, Handle),
     ) -> Vec<Moving> {
         // R16
-        self.extract_block((block, C::LEAVES_BLOCKS), moved, |_| {})
+        self.extract_block(block, C::LEAVES_BLOCKS, moved, |_| {})
     }
 
     fn adopt(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
@@ -486,7 +481,7 @@ impl Submesh for LocalMesh {
     }
 
     fn take_costs(&mut self) -> Costs {
-        let (walk_steps, tests, created) = self.tets.work();
+        let Work { walk_steps, tests, made: created } = self.tets.work();
         let before = std::mem::replace(&mut self.reported, (walk_steps, tests, created));
         Costs {
             walk_steps: walk_steps - before.0,

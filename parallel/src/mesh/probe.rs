@@ -3,15 +3,19 @@
 use super::{LocalMesh, VertexName, WireVertex, blocks, made};
 use crate::protocol::{BlockId, Directory, Insert, Walk};
 use ltbw_core::cavity::Cavity;
-use ltbw_core::submesh::Owns;
+use ltbw_core::submesh::{Earlier, Owns};
 use ltbw_core::topology::{INFINITE, TetId, Topology, VertexId};
 use ltbw_exact::Point;
 
 /// A refined mesh has this many tetrahedra for each vertex, at least.
 pub(crate) const TETS_PER_VERTEX: usize = 5;
 
-/// The cavity found earlier for a point, and whether something was written to a slot since then.
-pub(crate) type Again<'a, F> = (&'a [TetId], &'a F);
+/// The cavity found earlier for a point.
+pub(crate) struct Again<'a, F> {
+    pub(crate) found: &'a [TetId],
+    /// Was something written to a slot since then?
+    pub(crate) changed: &'a F,
+}
 
 impl LocalMesh {
     /// The number here of a vertex; `None` if it has none.
@@ -31,7 +35,8 @@ impl LocalMesh {
     pub(crate) fn insert_seeing(
         &mut self,
         point: &WireVertex,
-        (seed, again): (TetId, Option<Again<'_, impl Fn(TetId) -> bool>>),
+        seed: TetId,
+        again: Option<Again<'_, impl Fn(TetId) -> bool>>,
         directory: &Directory,
         see: impl FnOnce(&Topology, &Cavity),
     ) -> Insert<TetId> {
@@ -59,10 +64,9 @@ impl LocalMesh {
         let mut show = |topology: &Topology, cavity: &Cavity| {
             see.take().into_iter().for_each(|see| see(topology, cavity));
         };
-        let insert = match again {
-            Some((found, changed))
-                if tets.insert_again(number, &p, (seed, found, changed), owns, &mut show) =>
-            {
+        let earlier = again.map(|Again { found, changed }| Earlier { seed, found, changed });
+        let insert = match earlier {
+            Some(earlier) if tets.insert_again(number, &p, &earlier, owns, &mut show) => {
                 Insert::Done
             }
             _ => tets.insert_seeing(number, &p, seed, owns, show),

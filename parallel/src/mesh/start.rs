@@ -1,6 +1,7 @@
 //! The start of a parallel run: vertices along the curve, a coarse mesh of a sample, its
 //! tetrahedra distributed to their owners.
 
+use super::blocks::Weight;
 use super::name::NO_PLACE;
 use super::{Blocks, Fixed, LocalMesh, Place, PointQueue, WireVertex};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
@@ -8,7 +9,7 @@ use ltbw_core::build::independent;
 use ltbw_core::order::{Curve, hilbert};
 use ltbw_core::submesh::MeshParams;
 use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{BuildError, Builder, CancelToken, Mesh, PredicateStats, Vertex};
+use ltbw_core::{BuildError, Builder, CancelToken, Duplicate, Mesh, PredicateStats, Vertex};
 use ltbw_exact::{Mode, Point, PointSet};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -131,12 +132,12 @@ impl Layout {
         self.prepare_with(set, only, None, cancel)
     }
 
-    /// As [`Layout::distribute`], with all points in the mesh that is distributed; if there is a
-    /// curve with weights of places, it is cut into blocks of about equal weight.
+    /// As [`Layout::distribute`], with all points in the mesh that is distributed; if there is
+    /// a cut, blocks are of about equal weight.
     pub(crate) fn prepare_all(
         &self,
         set: &PointSet,
-        cut: Option<(Curve, &[(Point, u64)])>,
+        cut: Option<Cut<'_>>,
     ) -> Result<Prepared, BuildError> {
         let whole = Self { sample: set.len(), ..*self };
         whole.prepare_with(set, None, cut, None)
@@ -146,12 +147,12 @@ impl Layout {
         &self,
         set: &PointSet,
         only: Option<&[u32]>,
-        cut: Option<(Curve, &[(Point, u64)])>,
+        cut: Option<Cut<'_>>,
         cancel: Option<&CancelToken>,
     ) -> Result<Prepared, BuildError> {
         let kernel = set.kernel_points();
         let order = match only {
-            None => cut.map_or_else(|| hilbert(&kernel), |(curve, _)| curve.order(&kernel)),
+            None => cut.map_or_else(|| hilbert(&kernel), |cut| cut.curve.order(&kernel)),
             Some(only) => {
                 let points: Vec<Point> = only.iter().map(|&i| kernel[i as usize]).collect();
                 hilbert(&points).into_iter().map(|k| only[k as usize]).collect()
@@ -172,7 +173,7 @@ impl Layout {
                 let curve = Curve::of_box(low, high);
                 Blocks::even(points.len() as u32, count).along(curve, &points)
             }
-            Some((curve, weights)) => Blocks::weighted(curve, &points, weights, count),
+            Some(Cut { curve, weights }) => Blocks::weighted(curve, &points, weights, count),
         };
         let owners: Vec<WorkerId> =
             BlockId::below(blocks.len() as u32).map(|block| self.owner_of(block)).collect();
@@ -182,15 +183,15 @@ impl Layout {
             || self.submeshes(&params, &blocks, &points),
         );
         let coarse = coarse?;
-        distribute(&coarse, &sample, &points, &blocks, &owners, &mut workers);
+        let coarse = Coarse { mesh: &coarse, sample: &sample };
+        distribute(coarse, &points, &blocks, &owners, &mut workers);
         let interface = match self.max_in_flight {
             0 => Vec::new(),
-            _ => self.interface(&coarse, &sample, &blocks, points.len() as u32),
+            _ => self.interface(coarse, &blocks, points.len() as u32),
         };
         let mut duplicates = Vec::new();
-        for &(duplicate, kept) in coarse.duplicates() {
-            duplicates
-                .push([duplicate, kept].map(|k| VertexId::new(1 + sample[k as usize])).into());
+        for &Duplicate { number, kept } in coarse.mesh.duplicates() {
+            duplicates.push([number, kept].map(|k| VertexId::new(1 + sample[k as usize])).into());
         }
         let workers = workers
             .into_par_iter()
@@ -206,7 +207,7 @@ impl Layout {
                 (Directory::new(me, &owners), mesh, field)
             })
             .collect();
-        let predicates = coarse.predicate_stats();
+        let predicates = coarse.mesh.predicate_stats();
         let mode = set.mode();
         let (numbers, next) = (order, set.len() as Vertex);
         let common = SharedInput { points, numbers, next, duplicates, mode, predicates };
@@ -227,18 +228,13 @@ impl Layout {
 
     /// The pieces of the curve around those vertices of the sample that have a tetrahedron with
     /// vertices of several workers.
-    fn interface(
-        &self,
-        coarse: &Mesh,
-        sample: &[u32],
-        blocks: &Blocks,
-        vertices: u32,
-    ) -> Vec<Range<Place>> {
+    fn interface(&self, coarse: Coarse<'_>, blocks: &Blocks, vertices: u32) -> Vec<Range<Place>> {
+        let Coarse { mesh, sample } = coarse;
         let block = |k: u32| blocks.of_vertex(1 + sample[k as usize]);
         let owner = |k: u32| self.owner_of(block(k));
         let mut at_interface = vec![false; sample.len()];
-        for (_, tet) in coarse.topology().iter() {
-            let numbers = tet.vertices().map(|v| coarse.number(v));
+        for (_, tet) in mesh.topology().iter() {
+            let numbers = tet.vertices().map(|v| mesh.number(v));
             let mut owners = numbers.iter().flatten().map(|&k| owner(k));
             let first = owners.next();
             if owners.any(|other| Some(other) != first) {
@@ -297,6 +293,14 @@ impl Layout {
     }
 }
 
+/// A curve that is cut into blocks of about equal weight.
+#[derive(Clone, Copy)]
+pub(crate) struct Cut<'a> {
+    pub(crate) curve: Curve,
+    /// The weights of some places.
+    pub(crate) weights: &'a [Weight],
+}
+
 /// Workers ready to run.
 #[derive(Debug)]
 pub struct Prepared {
@@ -325,6 +329,22 @@ pub struct SharedInput {
     pub predicates: PredicateStats,
 }
 
+/// The coarse mesh, and the ranks of its points.
+#[derive(Clone, Copy)]
+struct Coarse<'a> {
+    mesh: &'a Mesh,
+    sample: &'a [u32],
+}
+
+/// A tetrahedron of the coarse mesh, where it has gone.
+#[derive(Clone, Copy, Default)]
+struct Gone {
+    block: BlockId,
+    owner: WorkerId,
+    /// Its handle there.
+    local: TetId,
+}
+
 fn coarse_mesh(points: &[Point], sample: &[u32]) -> Result<Mesh, BuildError> {
     let chosen: Vec<Point> = sample.iter().map(|&rank| points[rank as usize]).collect();
     // Kernel coordinates are finite, and no more than the input's.
@@ -335,25 +355,25 @@ fn coarse_mesh(points: &[Point], sample: &[u32]) -> Result<Mesh, BuildError> {
 
 /// Gives every tetrahedron of the coarse mesh to the owner of its block.
 fn distribute(
-    coarse: &Mesh,
-    sample: &[u32],
+    coarse: Coarse<'_>,
     points: &[Point],
     blocks: &Blocks,
     owners: &[WorkerId],
     workers: &mut [LocalMesh],
 ) {
-    let topology = coarse.topology();
-    let vertex = |v: VertexId| coarse.number(v).map_or(NO_PLACE, |k| 1 + sample[k as usize]);
+    let Coarse { mesh: whole, sample } = coarse;
+    let topology = whole.topology();
+    let vertex = |v: VertexId| whole.number(v).map_or(NO_PLACE, |k| 1 + sample[k as usize]);
     let corners = |t: TetId| topology.get(t).map(|tet| tet.vertices().map(vertex));
     let tets: Vec<TetId> = topology.iter().map(|(t, _)| t).collect();
-    // By coarse tetrahedron: its block, its owner and its handle there.
-    let mut place: Vec<(BlockId, WorkerId, TetId)> = vec![<_>::default(); topology.slots()];
+    // By coarse tetrahedron.
+    let mut gone = vec![Gone::default(); topology.slots()];
     let block_of = |&t: &TetId| corners(t).map_or(BlockId::default(), |v| blocks.of_tet(v));
     let block_of_each: Vec<BlockId> = tets.par_iter().map(block_of).collect();
     let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
     for (&t, block) in tets.iter().zip(block_of_each) {
         let owner = owners[block.index()];
-        place[t.index()] = (block, owner, TetId::default());
+        gone[t.index()] = Gone { block, owner, local: TetId::default() };
         theirs[owner.index()].push(t);
     }
     let create = |(mesh, tets): (&mut LocalMesh, &Vec<TetId>)| {
@@ -375,12 +395,12 @@ fn distribute(
     };
     let made: Vec<Vec<TetId>> = workers.par_iter_mut().zip(&theirs).map(create).collect();
     for (&t, local) in theirs.iter().flatten().zip(made.into_iter().flatten()) {
-        place[t.index()].2 = local;
+        gone[t.index()].local = local;
     }
-    let whole = workers.par_iter_mut().zip(&theirs).filter(|(mesh, _)| mesh.error.is_none());
-    whole.for_each(|(mesh, tets)| {
+    let sound = workers.par_iter_mut().zip(&theirs).filter(|(mesh, _)| mesh.error.is_none());
+    sound.for_each(|(mesh, tets)| {
         for &t in tets {
-            link(mesh, coarse, t, &place);
+            link(mesh, whole, t, &gone);
         }
         let (first, end) = (VertexId::new(1), mesh.vertices.after_run());
         mesh.tets.set_own_range(first..end);
@@ -388,22 +408,22 @@ fn distribute(
 }
 
 /// Links the faces of coarse tetrahedron `t`, which `mesh` has got.
-fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, place: &[(BlockId, WorkerId, TetId)]) {
-    let (block, owner, local) = place[t.index()];
+fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, gone: &[Gone]) {
+    let Gone { block, owner, local } = gone[t.index()];
     debug_assert!(mesh.fixed.is_some() || block == mesh.block_of(local));
     let faces = coarse.topology().get(t).map(Tet::neighbours).unwrap_or_default();
     for (slot, face) in faces.into_iter().enumerate() {
         let (u, there) = (tet_of(face), slot_of(face));
-        let (other_block, other_owner, other_local) = place[u.index()];
-        if other_owner == owner {
+        let other = gone[u.index()];
+        if other.owner == owner {
             // Both ways at once.
             if t < u {
-                mesh.tets.link(FaceId::new(local, slot), FaceId::new(other_local, there));
+                mesh.tets.link(FaceId::new(local, slot), FaceId::new(other.local, there));
             }
             continue;
         }
         let name = Name { by: COARSE, number: u.number() };
-        let far = Handle { name, block: other_block, face: there as u8 };
+        let far = Handle { name, block: other.block, face: there as u8 };
         if mesh.tets.link_far(FaceId::new(local, slot), far).is_none() {
             mesh.fail_for_room();
         }

@@ -18,8 +18,8 @@ pub enum Cause {
         from: WorkerId,
         /// [`Message::kind`].
         kind: &'static str,
-        /// The operation that it is about, and the attempt; a commit is about the last attempt.
-        about: Option<(Ticket, Attempt)>,
+        /// The operation that it is about; a commit is about the last attempt.
+        about: Option<About>,
     },
     /// [`Event::Retry`].
     Retry(Ticket),
@@ -47,7 +47,16 @@ impl Cause {
     }
 }
 
-fn about<S: Submesh>(message: &Message<S>) -> Option<(Ticket, Attempt)> {
+/// The attempt of an operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct About {
+    /// The operation.
+    pub ticket: Ticket,
+    /// The number of the attempt.
+    pub attempt: Attempt,
+}
+
+fn about<S: Submesh>(message: &Message<S>) -> Option<About> {
     match message {
         Message::Walk { ticket, attempt, .. }
         | Message::Expand { ticket, attempt, .. }
@@ -55,8 +64,10 @@ fn about<S: Submesh>(message: &Message<S>) -> Option<(Ticket, Attempt)> {
         | Message::Deny { ticket, attempt }
         | Message::Wound { ticket, attempt }
         | Message::Abort { ticket, attempt }
-        | Message::Aborted { ticket, attempt } => Some((*ticket, *attempt)),
-        Message::Commit { ticket, .. } => Some((*ticket, LAST)),
+        | Message::Aborted { ticket, attempt } => {
+            Some(About { ticket: *ticket, attempt: *attempt })
+        }
+        Message::Commit { ticket, .. } => Some(About { ticket: *ticket, attempt: LAST }),
         Message::Migrate { .. }
         | Message::Stray { .. }
         | Message::News(_)
@@ -105,7 +116,7 @@ pub struct Collector {
     idle_since_work: Nanos,
     /// Setbacks so far of operations that were set back here and may start again here.
     attempts: HashMap<Ticket, Attempt>,
-    pub(super) spent: HashMap<(Ticket, Attempt), Spent>,
+    pub(super) spent: HashMap<About, Spent>,
     pub(super) endings: HashMap<Ticket, (Attempt, Ending)>,
     pub(super) messages: BTreeMap<&'static str, (u64, u64)>,
     spans: Option<Vec<Span>>,
@@ -186,10 +197,10 @@ impl Collector {
     pub fn step<S: Submesh>(&mut self, cause: Cause, step: Step, actions: &[Action<S>]) {
         self.idle_until(step.begin);
         let was_active = self.active > 0;
-        if let Cause::Message { kind: "walk", about: Some((ticket, attempt)), .. } = cause
-            && attempt > Attempt::default()
+        if let Cause::Message { kind: "walk", about: Some(about), .. } = cause
+            && about.attempt > Attempt::default()
         {
-            self.attempts.insert(ticket, attempt);
+            self.attempts.insert(about.ticket, about.attempt);
         }
         let about = self.about(cause, actions);
         let mut kind = kind_of(cause);
@@ -265,19 +276,23 @@ impl Collector {
     }
 
     /// The operation that a step is about.
-    fn about<S: Submesh>(&self, cause: Cause, actions: &[Action<S>]) -> Option<(Ticket, Attempt)> {
+    fn about<S: Submesh>(&self, cause: Cause, actions: &[Action<S>]) -> Option<About> {
         match cause {
             Cause::Message { about, .. } => about,
-            Cause::Retry(ticket) => Some((ticket, self.attempt(ticket))),
+            Cause::Retry(ticket) => Some(self.last(ticket)),
             Cause::Migrate | Cause::Cancel => None,
             Cause::Work => actions.iter().find_map(|action| match action {
-                Action::Note(Note::Began(ticket)) => Some((*ticket, self.attempt(*ticket))),
+                Action::Note(Note::Began(ticket)) => Some(self.last(*ticket)),
                 Action::Send { message: Message::Walk { ticket, attempt, .. }, .. } => {
-                    Some((*ticket, *attempt))
+                    Some(About { ticket: *ticket, attempt: *attempt })
                 }
                 _ => None,
             }),
         }
+    }
+
+    fn last(&self, ticket: Ticket) -> About {
+        About { ticket, attempt: self.attempt(ticket) }
     }
 
     fn attempt(&self, ticket: Ticket) -> Attempt {
@@ -285,13 +300,13 @@ impl Collector {
     }
 
     /// Takes in a note of a step; returns what the step is called in a trace.
-    fn note(&mut self, note: Note, about: Option<(Ticket, Attempt)>, kind: SpanKind) -> SpanKind {
+    fn note(&mut self, note: Note, about: Option<About>, kind: SpanKind) -> SpanKind {
         let others = self.active;
         match note {
             Note::Local => {
                 self.idle_since_work = 0;
                 self.figures.cavities.count(false, others > 0);
-                if let Some((ticket, attempt)) = about {
+                if let Some(About { ticket, attempt }) = about {
                     self.attempts.remove(&ticket);
                     self.endings.insert(ticket, (attempt, Ending::Local));
                 }
@@ -360,7 +375,7 @@ impl Collector {
         }
     }
 
-    fn spend(&mut self, key: (Ticket, Attempt), time: Nanos, active: bool) {
+    fn spend(&mut self, key: About, time: Nanos, active: bool) {
         let spent = self.spent.entry(key).or_default();
         spent.all += time;
         spent.active += if active { time } else { 0 };
@@ -391,11 +406,11 @@ impl Collector {
         self.figures.times.active += if active { time } else { 0 };
     }
 
-    fn span(&mut self, begin: Nanos, end: Nanos, kind: SpanKind, about: Option<(Ticket, Attempt)>) {
+    fn span(&mut self, begin: Nanos, end: Nanos, kind: SpanKind, about: Option<About>) {
         let Some(spans) = &mut self.spans else { return };
         if begin < end && self.spans_left > 0 {
             self.spans_left -= 1;
-            let ticket = about.map(|(ticket, _)| ticket);
+            let ticket = about.map(|about| about.ticket);
             spans.push(Span { worker: self.figures.worker, begin, end, kind, ticket });
         }
     }

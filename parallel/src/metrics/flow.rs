@@ -1,7 +1,8 @@
 //! Messages between workers, from the step that sends one to the step that takes it.
 
 use super::Nanos;
-use crate::protocol::{Attempt, Ticket, WorkerId};
+use super::collector::About;
+use crate::protocol::{Ticket, WorkerId};
 
 /// A message about an operation, sent and taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,13 +28,13 @@ pub(super) struct Port {
     pub(super) from: WorkerId,
     pub(super) to: WorkerId,
     pub(super) kind: &'static str,
-    pub(super) about: (Ticket, Attempt),
+    pub(super) about: About,
     /// The step's begin and end.
     pub(super) step: (Nanos, Nanos),
 }
 
 impl Port {
-    fn key(&self) -> (WorkerId, WorkerId, &'static str, (Ticket, Attempt)) {
+    fn key(&self) -> (WorkerId, WorkerId, &'static str, About) {
         (self.from, self.to, self.kind, self.about)
     }
 }
@@ -52,7 +53,7 @@ pub(super) fn join(mut sent: Vec<Port>, mut taken: Vec<Port>) -> Vec<Flow> {
         let last = start.step.1.saturating_sub(1).min(end.step.0);
         flows.push(Flow {
             kind: start.kind,
-            ticket: start.about.0,
+            ticket: start.about.ticket,
             from: start.from,
             to: start.to,
             sent: last.max(start.step.0),
@@ -66,6 +67,7 @@ pub(super) fn join(mut sent: Vec<Port>, mut taken: Vec<Port>) -> Vec<Flow> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::protocol::Attempt;
 
     #[test]
     fn the_nth_message_sent_is_the_nth_taken_and_one_without_an_end_is_left_out() {
@@ -74,7 +76,7 @@ mod tests {
             from: WorkerId::default(),
             to: WorkerId::new(1),
             kind,
-            about: (ticket(sequence), Attempt::default()),
+            about: About { ticket: ticket(sequence), attempt: Attempt::default() },
             step: (begin, begin + 10),
         };
         let sent = vec![port("expand", 1, 0), port("expand", 2, 20), port("expand", 1, 40)];

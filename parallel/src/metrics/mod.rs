@@ -39,11 +39,11 @@ mod span;
 mod summary;
 mod trace;
 
-pub use collector::{Cause, Collector, Step};
+pub use collector::{About, Cause, Collector, Step};
 pub use figures::{Cavities, CavityTimes, Messages, Polls, Times, WorkerFigures};
 pub use flow::Flow;
 pub use span::{Span, SpanKind};
-pub use summary::{Summary, tolerance};
+pub use summary::{Extremes, Summary, tolerance};
 pub use trace::Trace;
 
 /// Time in nanoseconds since a run's start.

@@ -1,7 +1,7 @@
 //! The figures of a run, joined from those of its workers.
 
 use super::Nanos;
-use super::collector::{Collector, Ending};
+use super::collector::{About, Collector, Ending};
 use super::figures::{Cavities, CavityTimes, Messages, Polls, Times, WorkerFigures, share};
 use crate::protocol::{Attempt, Ticket};
 use std::collections::{BTreeMap, HashMap};
@@ -49,6 +49,15 @@ impl std::fmt::Display for Summary {
 /// A latency tolerance for people; `-` where there was nothing to tolerate.
 pub fn tolerance(lt: Option<f64>) -> String {
     lt.map_or("-".to_owned(), |lt| format!("{lt:.4}"))
+}
+
+/// The workers with the smallest and the largest of a figure.
+#[derive(Clone, Copy, Debug)]
+pub struct Extremes<'a> {
+    /// That of the smallest one.
+    pub least: &'a WorkerFigures,
+    /// That of the largest one.
+    pub most: &'a WorkerFigures,
 }
 
 impl Summary {
@@ -104,7 +113,7 @@ impl Summary {
             let own = &mut worker.cavity_times;
             own.successful = worker.times.local;
             own.local_active = worker.times.local_active;
-            for (&(ticket, attempt), &spent) in &collector.spent {
+            for (&About { ticket, attempt }, &spent) in &collector.spent {
                 match endings.get(&ticket) {
                     Some(&(last, _)) if attempt < last => own.set_back += spent.all,
                     Some((_, ending)) => {
@@ -148,37 +157,34 @@ impl Summary {
 
     /// The workers that tolerate latency worst and best, by LT: those of Tables IV and V. The first
     /// of equal ones; none in a run without interface cavities.
-    pub fn extremes_of_tolerance(&self) -> Option<(&WorkerFigures, &WorkerFigures)> {
+    pub fn extremes_of_tolerance(&self) -> Option<Extremes<'_>> {
         self.extremes(WorkerFigures::lt)
     }
 
     /// The lowest LT of any worker; none without an interface cavity.
     pub fn worst_lt(&self) -> Option<f64> {
-        self.extremes_of_tolerance().and_then(|(worst, _)| worst.lt())
+        self.extremes_of_tolerance().and_then(|of| of.least.lt())
     }
 
     /// The lowest LT strict of any worker, which may be another one than that with the lowest LT.
     pub fn worst_lt_strict(&self) -> Option<f64> {
-        self.extremes(WorkerFigures::lt_strict).and_then(|(worst, _)| worst.lt_strict())
+        self.extremes(WorkerFigures::lt_strict).and_then(|of| of.least.lt_strict())
     }
 
     /// The workers with the smallest and the largest share of useful polling, by time: those of
     /// Table VI.
-    pub fn extremes_of_polling(&self) -> Option<(&WorkerFigures, &WorkerFigures)> {
+    pub fn extremes_of_polling(&self) -> Option<Extremes<'_>> {
         self.extremes(|worker| Some(worker.polls.useful_share()))
     }
 
-    fn extremes(
-        &self,
-        by: impl Fn(&WorkerFigures) -> Option<f64>,
-    ) -> Option<(&WorkerFigures, &WorkerFigures)> {
+    fn extremes(&self, by: impl Fn(&WorkerFigures) -> Option<f64>) -> Option<Extremes<'_>> {
         let known = || self.workers.iter().filter_map(|worker| Some((by(worker)?, worker)));
         let order = |a: &(f64, &WorkerFigures), b: &(f64, &WorkerFigures)| a.0.total_cmp(&b.0);
         let (_, least) = known().min_by(order)?;
         // The last of equal ones is what `max_by` gives.
         let all: Vec<_> = known().collect();
         let &(_, most) = all.iter().rev().max_by(|a, b| order(a, b))?;
-        Some((least, most))
+        Some(Extremes { least, most })
     }
 
     /// Share of the processors' time that one processor would have needed for the whole run:

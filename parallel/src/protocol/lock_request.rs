@@ -8,7 +8,7 @@ use super::config::Rule;
 use super::directory::{BlockId, WorkerId};
 use super::invariant::invariant;
 use super::rules::Rules;
-use super::state::{Request, Waiter, Want, want};
+use super::state::{Asker, Request, Waiter, Want, want};
 use super::submesh::{Found, Source, Submesh};
 use super::worker::{Action, Note, Worker};
 use super::{Attempt, Message, Ticket};
@@ -18,16 +18,16 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// `Expand`: adds to the request of `ticket`, or makes one.
     pub(super) fn request(
         &mut self,
-        home: WorkerId,
         ticket: Ticket,
-        attempt: Attempt,
-        point: S::Point,
-        (wants, around): (impl IntoIterator<Item = Want<S::Tet>>, Vec<u64>),
+        asker: Asker<S::Point>,
+        wants: impl IntoIterator<Item = Want<S::Tet>>,
+        around: Vec<u64>,
     ) {
+        let (home, attempt) = (asker.home, asker.attempt);
         let spare = &mut self.spare.requests;
         let request = self.locks.requests.entry(ticket).or_insert_with(|| match spare.pop() {
-            Some(ended) => ended.renew(home, attempt, point),
-            None => Request::new(home, attempt, point),
+            Some(ended) => ended.renew(asker),
+            None => Request::new(asker),
         });
         invariant!(
             P8,

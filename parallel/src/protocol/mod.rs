@@ -62,7 +62,9 @@ pub(crate) use invariant::{broken, invariant};
 pub use news::{NoNews, Standing};
 pub use rules::{Correct, Rules};
 pub(crate) use state::{Phase, Request, Waiter, Want};
-pub use submesh::{Costs, Found, Insert, Item, Neighbour, Source, Submesh, SubmeshError, Walk};
+pub use submesh::{
+    Costs, Found, Insert, Item, Neighbour, Part, Source, Submesh, SubmeshError, Walk,
+};
 pub(crate) use table::Table;
 pub use termination::Token;
 pub use worker::{Action, Event, Note, Worker};

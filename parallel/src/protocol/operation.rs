@@ -7,7 +7,7 @@ use super::config::Rule;
 use super::directory::WorkerId;
 use super::invariant::invariant;
 use super::rules::Rules;
-use super::state::{Granted, Operation, Phase, Start, Waiter, Want};
+use super::state::{Asker, Granted, Operation, Phase, Start, Waiter, Want};
 use super::submesh::{Insert, Item, Source, Submesh, Walk};
 use super::table::Table;
 use super::worker::{Action, Note, Worker};
@@ -158,7 +158,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         };
         op.asked.insert_new(me, || 1);
         self.enter(ticket, op);
-        self.request(me, ticket, attempt, point, ([Want::Tet(seed)], Vec::new()));
+        let asker = Asker { home: me, attempt, point };
+        self.request(ticket, asker, [Want::Tet(seed)], Vec::new());
     }
 
     /// An owner has locked and tested all that it was asked for.

@@ -164,8 +164,16 @@ impl<S: Submesh> Locks<S> {
     }
 }
 
+/// The attempt of an operation that asks for locks.
+pub(crate) struct Asker<P> {
+    pub(crate) home: WorkerId,
+    pub(crate) attempt: Attempt,
+    pub(crate) point: P,
+}
+
 impl<S: Submesh> Request<S> {
-    pub(crate) fn new(home: WorkerId, attempt: Attempt, point: S::Point) -> Box<Self> {
+    pub(crate) fn new(asker: Asker<S::Point>) -> Box<Self> {
+        let Asker { home, attempt, point } = asker;
         Box::new(Self {
             home,
             attempt,
@@ -185,12 +193,7 @@ impl<S: Submesh> Request<S> {
     }
 
     /// A new request in the memory of one that has ended.
-    pub(crate) fn renew(
-        mut self: Box<Self>,
-        home: WorkerId,
-        attempt: Attempt,
-        point: S::Point,
-    ) -> Box<Self> {
+    pub(crate) fn renew(mut self: Box<Self>, asker: Asker<S::Point>) -> Box<Self> {
         let Self { wants, held, cavity, pieces, foreign, bounced, around, .. } = &mut *self;
         around.clear();
         wants.clear();
@@ -199,7 +202,7 @@ impl<S: Submesh> Request<S> {
         pieces.clear();
         foreign.clear();
         bounced.clear();
-        (self.home, self.attempt, self.point) = (home, attempt, point);
+        (self.home, self.attempt, self.point) = (asker.home, asker.attempt, asker.point);
         (self.owed, self.stalled, self.wounded) = (0, false, false);
         self
     }

@@ -6,6 +6,9 @@ pub use ltbw_core::submesh::Insert;
 use std::fmt::Debug;
 use std::hash::Hash;
 
+/// A worker, and what it has described of a cavity.
+pub type Part<P> = (WorkerId, Vec<P>);
+
 /// A face neighbour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Neighbour<T> {
@@ -144,7 +147,7 @@ pub trait Submesh: Sized {
     fn neighbours(&self, t: Self::Tet, f: impl FnMut(Neighbour<Self::Tet>));
 
     /// The finite vertices of a cavity, ascending; none if the submesh knows the face closure only.
-    fn corners(parts: &[(WorkerId, Vec<Self::Piece>)]) -> Vec<u64> {
+    fn corners(parts: &[Part<Self::Piece>]) -> Vec<u64> {
         let _ = parts;
         Vec::new()
     }
@@ -176,7 +179,7 @@ pub trait Submesh: Sized {
     fn fill(
         &mut self,
         point: &Self::Point,
-        parts: &[(WorkerId, Vec<Self::Piece>)],
+        parts: &[Part<Self::Piece>],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Self::Patch)>;

@@ -1,7 +1,7 @@
 //! Memory of what has ended is used again: no field of the old value may be left. The values below
 //! are written field by field, so that a new field has to be entered here.
 
-use super::state::{Operation, Phase, Request, Want};
+use super::state::{Asker, Operation, Phase, Request, Want};
 use super::table::Table;
 use super::{Attempt, BlockId, Handle, Name, WorkerId};
 #[cfg(test)] // the protocol knows no mesh
@@ -54,7 +54,8 @@ fn a_reused_request_equals_a_new_one() {
         stalled: true,
         wounded: true,
     };
-    let reused = Box::new(used).renew(WorkerId::new(9), Attempt::new(8), vertex(1));
-    let new = Request::<LocalMesh>::new(WorkerId::new(9), Attempt::new(8), vertex(1));
+    let asker = || Asker { home: WorkerId::new(9), attempt: Attempt::new(8), point: vertex(1) };
+    let reused = Box::new(used).renew(asker());
+    let new = Request::<LocalMesh>::new(asker());
     assert_eq!(format!("{reused:?}"), format!("{new:?}"));
 }

@@ -7,7 +7,7 @@ use super::directory::{BlockId, Directory, WorkerId};
 use super::invariant::invariant;
 use super::news::Standing;
 use super::rules::{Correct, Rules};
-use super::state::{Granted, Locks, Operations, Spare, Start, Want};
+use super::state::{Asker, Granted, Locks, Operations, Spare, Start, Want};
 use super::submesh::{Source, Submesh, SubmeshError};
 use super::termination::{Pass, TerminationWave, Token};
 use super::{Attempt, Message, Ticket};
@@ -295,7 +295,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             // To the owner of a part of its closure.
             Message::Expand { ticket, attempt, point, seeds, around } => {
                 let wants = seeds.into_iter().map(Want::Seed);
-                self.request(from, ticket, attempt, point, (wants, around));
+                self.request(ticket, Asker { home: from, attempt, point }, wants, around);
             }
             Message::Abort { ticket, attempt } => self.abort(from, ticket, attempt),
             Message::Commit { ticket, patch } => self.commit(ticket, patch),

@@ -4,14 +4,16 @@ use super::error::SimulationError;
 use super::event::{Entry, What};
 use super::network::Links;
 use super::options::Options;
-use super::processor::{Asking, Envelope, Next, Processor};
+use super::processor::{Asking, Envelope, Next, Processor, WorkTime};
 use crate::WorkerError;
 use crate::balance::{Balancer, Workload};
-use crate::check::{Between, Check, History, Inspect, NewsNumbers, check_news, count_news};
+use crate::check::{
+    Between, Check, History, Inspect, NewsNumbers, UnderWay, check_news, count_news,
+};
 use crate::metrics::{Cause, Collector, Nanos, Step, SubmeshSize, Summary, Trace};
 use crate::payload::{LOAD_BYTES, Payload, bytes};
 use crate::protocol::{
-    Action, Broken, Event, Message, Note, Rules, Source, Submesh, Worker, WorkerId, message_of,
+    Action, Broken, Event, Note, Rules, Source, Submesh, Worker, WorkerId, message_of,
 };
 use ltbw_core::Random;
 use std::collections::BinaryHeap;
@@ -170,11 +172,9 @@ where
 
     /// The invariants over all workers and all messages under way.
     fn check_invariants(&mut self) -> Result<(), SimulationError> {
-        fn message<S: Submesh>(
-            to: WorkerId,
-            envelope: &Envelope<S>,
-        ) -> Option<(WorkerId, WorkerId, &Message<S>)> {
-            envelope.message.as_ref().map(|message| (envelope.from, to, message))
+        fn message<S: Submesh>(to: WorkerId, envelope: &Envelope<S>) -> Option<UnderWay<'_, S>> {
+            let message = envelope.message.as_ref()?;
+            Some(UnderWay { from: envelope.from, to, message })
         }
         let flying = self.heap.iter().filter_map(|entry| match &entry.what {
             What::Arrive(to, envelope) => message(*to, envelope),
@@ -315,8 +315,8 @@ where
             return;
         }
         let failed = failure_of(&processor.worker);
-        let (work, walk) = processor.work_time(&self.options.costs);
-        let worked = begin + receiving + work;
+        let WorkTime { all, walk } = processor.work_time(&self.options.costs);
+        let worked = begin + receiving + all;
         let load = processor.worker.source().left();
         let mut end = worked;
         for action in &actions {
@@ -348,7 +348,7 @@ where
                     let processor = &self.processors[id.index()];
                     time += processor.time(self.options.costs.sending(bytes));
                     let envelope = Envelope { from: id, load, bytes, message: Some(message) };
-                    let arrival = self.links.arrival((id, to), time, bytes);
+                    let arrival = self.links.arrival(id, to, time, bytes);
                     self.at(arrival, What::Arrive(to, envelope));
                 }
                 Action::Backoff { ticket, attempt } => {
@@ -402,7 +402,7 @@ where
             end += sending;
             self.processors[id.index()].collector.sent("load", LOAD_BYTES);
             let envelope = Envelope { from: id, load, bytes: LOAD_BYTES, message: None };
-            let arrival = self.links.arrival((id, to), end, LOAD_BYTES);
+            let arrival = self.links.arrival(id, to, end, LOAD_BYTES);
             self.at(arrival, What::Arrive(to, envelope));
         }
         self.occupy(id, begin, end);

@@ -143,7 +143,8 @@ impl Links {
     /// same pair.
     pub(super) fn arrival(
         &mut self,
-        (from, to): (WorkerId, WorkerId),
+        from: WorkerId,
+        to: WorkerId,
         time: Nanos,
         bytes: u64,
     ) -> Nanos {
@@ -196,7 +197,7 @@ mod tests {
         let mut last = [0; 3];
         for time in 0..1000 {
             let [a, b] = [1, 2]
-                .map(|to| links.arrival((WorkerId::default(), WorkerId::new(to)), time * 100, 10));
+                .map(|to| links.arrival(WorkerId::default(), WorkerId::new(to), time * 100, 10));
             assert!(a >= last[1] && b >= last[2]);
             overtaken += usize::from(b < a);
             last = [0, a, b];
@@ -210,7 +211,7 @@ mod tests {
         let network = Network { latency: 10, byte: 0.0, bursts, ..Network::default() };
         let mut links = Links::new(network, 2, 1);
         let arrivals = [0, 100, 289, 290, 995, 1500]
-            .map(|t| links.arrival((WorkerId::default(), WorkerId::new(1)), t, 8));
+            .map(|t| links.arrival(WorkerId::default(), WorkerId::new(1), t, 8));
         assert_eq!(arrivals, [300, 300, 300, 300, 1300, 1510]);
     }
 
@@ -218,9 +219,9 @@ mod tests {
     fn links_send_one_message_after_the_other() {
         let network = Network { latency: 10, byte: 1.0, ..Network::default() };
         let mut links = Links::new(network, 3, 1);
-        assert_eq!(links.arrival((WorkerId::default(), WorkerId::new(1)), 0, 100), 110);
-        assert_eq!(links.arrival((WorkerId::default(), WorkerId::new(2)), 50, 100), 210);
-        assert_eq!(links.arrival((WorkerId::default(), WorkerId::new(2)), 500, 100), 610);
+        assert_eq!(links.arrival(WorkerId::default(), WorkerId::new(1), 0, 100), 110);
+        assert_eq!(links.arrival(WorkerId::default(), WorkerId::new(2), 50, 100), 210);
+        assert_eq!(links.arrival(WorkerId::default(), WorkerId::new(2), 500, 100), 610);
     }
 
     use super::super::network::Bursts;

@@ -59,6 +59,14 @@ pub(super) struct Processor<S: Submesh, Q, C> {
     pub(super) collector: Collector,
 }
 
+/// The time of work done in a submesh.
+pub(super) struct WorkTime {
+    /// Of all of it.
+    pub(super) all: Nanos,
+    /// Of point location alone.
+    pub(super) walk: Nanos,
+}
+
 impl<S: Submesh, Q: Source<S> + Workload, C: Rules> Processor<S, Q, C> {
     /// Messages come before local work, and set-back operations before new points; they are looked
     /// for before each `poll_every`-th step of local work.
@@ -93,11 +101,11 @@ impl<S: Submesh, Q: Source<S> + Workload, C: Rules> Processor<S, Q, C> {
         (nanos * self.slowness) as Nanos
     }
 
-    /// The time of the work done in the submesh since the last call: of all work, and of point
-    /// location alone.
-    pub(super) fn work_time(&mut self, model: &CostModel) -> (Nanos, Nanos) {
+    /// The time of the work done in the submesh since the last call.
+    pub(super) fn work_time(&mut self, model: &CostModel) -> WorkTime {
         let costs = self.worker.mesh_mut().take_costs();
         // No step takes no time: else time might stand still.
-        (self.time(model.work(costs)).max(1), self.time(model.walk(costs)))
+        let (all, walk) = (self.time(model.work(costs)).max(1), self.time(model.walk(costs)));
+        WorkTime { all, walk }
     }
 }

@@ -45,6 +45,20 @@ pub(super) struct ThreadHooks<'a> {
     watched: Option<Watched<'a>>,
 }
 
+/// What all workers of a run have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Running<'a> {
+    /// Its begin.
+    pub(super) start: Instant,
+    pub(super) cancel: Option<&'a CancelToken>,
+    /// A backoff's longest time, before it is doubled.
+    pub(super) backoff: Duration,
+    /// If there is a number, all is measured, and that number of stretches of time is kept.
+    pub(super) spans: Option<usize>,
+    /// There are more workers than processors.
+    pub(super) crowded: bool,
+}
+
 /// Takes the time of everything.
 #[derive(Debug)]
 struct Meter {
@@ -55,17 +69,9 @@ struct Meter {
 }
 
 impl<'a> ThreadHooks<'a> {
-    /// The watch of `worker` in a run that began at `start`; if there is a number of `spans`, all
-    /// is measured, and that number of stretches of time is kept. In a `crowded` run there are more
-    /// workers than processors.
-    pub(super) fn new(
-        worker: WorkerId,
-        start: Instant,
-        cancel: Option<&'a CancelToken>,
-        backoff: Duration,
-        spans: Option<usize>,
-        crowded: bool,
-    ) -> Self {
+    /// The watch of `worker` in a run.
+    pub(super) fn new(worker: WorkerId, run: Running<'a>) -> Self {
+        let Running { start, cancel, backoff, spans, crowded } = run;
         let meter = spans.map(|spans| Meter {
             collector: Collector::new(worker, spans),
             last: 0,

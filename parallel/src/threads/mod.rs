@@ -27,8 +27,8 @@ use crate::payload::Payload;
 pub use crate::protocol::{Closure, Config, Rule};
 use crate::protocol::{Correct, Note, Source, Submesh, Worker, WorkerId};
 use crate::transport::{Delayed, Mail, Transport};
-use hooks::ThreadHooks;
-use ltbw_core::{CancelToken, Mesh, Observer, Outcome, Phase, Vertex};
+use hooks::{Running, ThreadHooks};
+use ltbw_core::{CancelToken, Duplicate, Mesh, Observer, Outcome, Phase, Vertex};
 use ltbw_exact::PointSet;
 use spawn::{End, any_thread, run_all};
 use std::time::{Duration, Instant};
@@ -112,8 +112,8 @@ pub struct Run {
     pub mesh: Mesh,
     /// The outcome: whether all points are in the mesh.
     pub outcome: Outcome,
-    /// Input indices of duplicates met, each with the index of the vertex kept; ascending.
-    pub duplicates: Vec<(Vertex, Vertex)>,
+    /// Duplicates met, by input indices, ascending.
+    pub duplicates: Vec<Duplicate>,
     /// Seconds to order the points, to build and distribute the coarse mesh.
     pub start_seconds: f64,
     /// Seconds of the workers.
@@ -393,7 +393,8 @@ impl<'a> Parallel<'a> {
         let backoff = BACKOFF + 4 * self.latency;
         let processors = std::thread::available_parallelism().map_or(1, usize::from);
         let crowded = self.workers as usize > processors;
-        ThreadHooks::new(id, start, self.cancel, backoff, self.spans, crowded)
+        let Self { cancel, spans, .. } = *self;
+        ThreadHooks::new(id, Running { start, cancel, backoff, spans, crowded })
     }
 
     fn loops<S, Q, T, W>(

@@ -3,7 +3,7 @@
 use super::watchdog::Watchdog;
 use super::*;
 use crate::WorkerError;
-use crate::mailbox::Endpoint;
+use crate::mailbox::{Endpoint, Received};
 use crate::metrics::Nanos;
 use crate::protocol::{Action, Attempt, BlockId, Event, Invariant, Message};
 use ltbw_generate::{PointKind, generate};
@@ -78,10 +78,10 @@ impl Transport<Mail<LocalMesh>> for Faulty {
         Transport::flush(&mut self.inner);
     }
 
-    fn take(&mut self, into: &mut Vec<(WorkerId, Mail<LocalMesh>)>) {
+    fn take(&mut self, into: &mut Vec<Received<Mail<LocalMesh>>>) {
         Transport::take(&mut self.inner, into);
-        let is_grant = |(_, mail): &(WorkerId, Mail<LocalMesh>)| {
-            matches!(mail.message, Some(Message::Grant { .. }))
+        let is_grant = |received: &Received<Mail<LocalMesh>>| {
+            matches!(received.message.message, Some(Message::Grant { .. }))
         };
         if let Some(place) = into.iter().position(is_grant).filter(|_| !self.done) {
             self.done = true;
@@ -89,9 +89,9 @@ impl Transport<Mail<LocalMesh>> for Faulty {
                 into.remove(place);
                 return;
             }
-            let (from, Mail { load, message }) = &into[place];
-            let again = (*from, Mail { load: *load, message: message.as_ref().map(copy) });
-            into.insert(place, again);
+            let Received { from, message: Mail { load, message } } = &into[place];
+            let again = Mail { load: *load, message: message.as_ref().map(copy) };
+            into.insert(place, Received { from: *from, message: again });
         }
     }
 

@@ -10,6 +10,7 @@
 //! compiled.
 
 use crate::balance::{Balance, Balancer, Workload};
+use crate::mailbox::Received;
 use crate::metrics::Nanos;
 use crate::protocol::{
     Action, Attempt, BlockId, Event, Rules, Source, Submesh, SubmeshError, Ticket, Worker, WorkerId,
@@ -82,7 +83,7 @@ pub struct Loop<S: Submesh, Q, C, T, W> {
     /// When it asks for blocks, if it is going to.
     asks: Option<Nanos>,
     actions: Vec<Action<S>>,
-    inbox: Vec<(WorkerId, Mail<S>)>,
+    inbox: Vec<Received<Mail<S>>>,
     /// Operations that back off, with the end of their time.
     resting: Vec<(Nanos, Ticket)>,
 }
@@ -177,7 +178,7 @@ where
         self.way.take(&mut inbox);
         self.hooks.polled(inbox.len());
         let heard = !inbox.is_empty();
-        for (from, Mail { load, message }) in inbox.drain(..) {
+        for Received { from, message: Mail { load, message } } in inbox.drain(..) {
             if let Some(balancer) = &mut self.balancer {
                 balancer.heard(from, load);
             }

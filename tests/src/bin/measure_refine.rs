@@ -153,7 +153,7 @@ fn compare() -> Result<bool, Failure> {
     let (mut met, mut rounds) = (true, Vec::new());
     for problem in std::iter::once(MILLION).chain(PROBLEMS) {
         let (kind, volume, most) = problem;
-        let turns = turns_of(&own, python.as_deref(), (kind, volume))?;
+        let turns = turns_of(&own, python.as_deref(), kind, volume)?;
         let taken = turns[0].0;
         let (count, searches) = taken.rounds.ok_or("a run has not told its rounds")?;
         rounds.push(count);
@@ -209,7 +209,8 @@ type Turn = (Taken, Option<Taken>);
 fn turns_of(
     own: &Path,
     python: Option<&str>,
-    (kind, volume): (DomainKind, f64),
+    kind: DomainKind,
+    volume: f64,
 ) -> Result<Vec<Turn>, Failure> {
     let (name, volume) = (kind.name(), format!("{volume:e}"));
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tetgen/run.py");

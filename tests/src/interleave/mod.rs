@@ -11,7 +11,7 @@ mod ending;
 mod rounds;
 
 use crate::families::Rng;
-use ltbw::check::{Between, History, Inspect, NewsNumbers, check_news, count_news};
+use ltbw::check::{Between, History, Inspect, NewsNumbers, UnderWay, check_news, count_news};
 use ltbw::mesh::{Gathered, Layout, LocalMesh};
 use ltbw::protocol::{
     Action, BlockId, Closure, Config, Event, Message, Note, Rule, Source, Submesh, SubmeshError,
@@ -399,7 +399,8 @@ impl<S: Submesh + Inspect, Q: Source<S>> World<S, Q> {
     /// The invariants over all workers and all messages under way.
     fn check_invariants(&mut self) {
         let mail = self.channels.iter().flat_map(|(&(from, to), queue)| {
-            queue.iter().map(move |message| (WorkerId::at(from), WorkerId::at(to), message))
+            let (from, to) = (WorkerId::at(from), WorkerId::at(to));
+            queue.iter().map(move |message| UnderWay { from, to, message })
         });
         let between = Between::new(&self.nodes, mail);
         let checked = between.check().and_then(|()| self.history.look(&between));

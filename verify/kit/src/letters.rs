@@ -2,7 +2,7 @@
 //! format.
 
 use crate::line::{self, Line};
-use ltbw::protocol::{Action, BlockId, Handle, Message, Name, NoNews, Submesh, Ticket};
+use ltbw::protocol::{Action, Handle, Message, Name, NoNews, Submesh, Ticket};
 use ltbw_models::hull::{self, Hull};
 use ltbw_models::told::Told;
 use ltbw_models::variants::Variant;
@@ -30,15 +30,13 @@ fn piece(of: Name, ends: Value, [left, right]: [Value; 2]) -> Value {
     json!({"name": name(of), "ends": ends, "left": left, "right": right})
 }
 
-fn patch(
-    remove: &[Name],
-    add: Vec<Value>,
-    relink: impl Iterator<Item = (Name, usize, Value)>,
-) -> Value {
+fn patch(remove: &[Name], add: Vec<Value>, relink: impl Iterator<Item = Value>) -> Value {
     let remove: Vec<Value> = remove.iter().map(|&of| name(of)).collect();
-    let relink: Vec<Value> =
-        relink.map(|(of, side, to)| json!({"of": name(of), "side": side, "to": to})).collect();
-    json!({"remove": remove, "add": add, "relink": relink})
+    json!({"remove": remove, "add": add, "relink": relink.collect::<Vec<Value>>()})
+}
+
+fn relinked(of: Name, side: usize, to: Value) -> Value {
+    json!({"of": name(of), "side": side, "to": to})
 }
 
 /// A mesh of the kit: what its messages carry, and its cells, as JSON.
@@ -68,7 +66,8 @@ impl Written for Line {
     }
 
     fn patch(change: &line::Patch) -> Value {
-        let relink = change.relink.iter().map(|&(of, side, to)| (of, side, line_link(to)));
+        let relink = change.relink.iter();
+        let relink = relink.map(|&line::Relink { of, side, to }| relinked(of, side, line_link(to)));
         patch(&change.remove, change.add.iter().map(Self::piece).collect(), relink)
     }
 
@@ -85,7 +84,7 @@ impl Written for Line {
     }
 }
 
-fn line_link((name, block): (Name, BlockId)) -> Value {
+fn line_link((name, block): line::Place) -> Value {
     json!([name.by, name.number, block])
 }
 
@@ -111,7 +110,8 @@ impl<C: Variant> Written for Hull<C> {
     }
 
     fn patch(change: &hull::Patch) -> Value {
-        let relink = change.relink.iter().map(|&(of, side, to)| (of, 1 - side, hull_link(to)));
+        let relink = change.relink.iter();
+        let relink = relink.map(|&(of, side, to)| relinked(of, 1 - side, hull_link(to)));
         patch(&change.delete, change.create.iter().map(Self::piece).collect(), relink)
     }
 

@@ -121,10 +121,20 @@ pub fn kit() -> &'static [File] {
     })
 }
 
-/// Every generated file: its path inside `verify/vectors`, and its text.
+/// A generated file.
+#[derive(Clone, Debug)]
+pub struct Generated {
+    /// Its path inside `verify/vectors`.
+    pub path: String,
+    /// Its text.
+    pub text: String,
+}
+
+/// Every generated file.
 #[must_use]
-pub fn files() -> Vec<(String, String)> {
-    kit().iter().map(|file| (format!("{}/{}.json", file.folder, file.name), text(file))).collect()
+pub fn files() -> Vec<Generated> {
+    let path = |file: &File| format!("{}/{}.json", file.folder, file.name);
+    kit().iter().map(|file| Generated { path: path(file), text: text(file) }).collect()
 }
 
 /// A file as JSON, one case a line.

@@ -9,8 +9,8 @@ use ltbw::balance::Workload;
 use ltbw::check::{Inspect, Seen, Sent};
 use ltbw::metrics::SubmeshSize;
 use ltbw::protocol::{
-    BlockId, Costs, Directory, Handle, Insert, Name, Neighbour, NoNews, Rules, Source, Submesh,
-    Ticket, Walk, Worker, WorkerId,
+    BlockId, Costs, Directory, Handle, Insert, Name, Neighbour, NoNews, Part, Rules, Source,
+    Submesh, Ticket, Walk, Worker, WorkerId,
 };
 use ltbw::simulate::Payload;
 use ltbw::topology::INFINITE;
@@ -19,8 +19,22 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 /// The creator in the names of the first cells: no worker has this number.
 pub const START: WorkerId = WorkerId::new(u32::MAX);
 
-/// A neighbour's name and block; none beyond the ends.
-pub type Link = Option<(Name, BlockId)>;
+/// A cell's name and block.
+pub type Place = (Name, BlockId);
+
+/// A neighbour's place; none beyond the ends.
+pub type Link = Option<Place>;
+
+/// A link that changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Relink {
+    /// The cell.
+    pub of: Name,
+    /// Its side: 0 left, 1 right.
+    pub side: usize,
+    /// Its new neighbour there.
+    pub to: Place,
+}
 
 /// An interval.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -41,8 +55,8 @@ pub struct Patch {
     pub remove: Vec<Name>,
     /// New cells.
     pub add: Vec<Piece>,
-    /// Cell, side (0 left, 1 right) and new neighbour of each link that changes.
-    pub relink: Vec<(Name, usize, (Name, BlockId))>,
+    /// Links that change.
+    pub relink: Vec<Relink>,
 }
 
 /// The blocks that the line is cut into.
@@ -112,8 +126,8 @@ impl Line {
         ]
     }
 
-    fn relink(&mut self, name: Name, side: usize, to: (Name, BlockId)) {
-        if let Some(cell) = self.cells.get_mut(&name) {
+    fn relink(&mut self, Relink { of, side, to }: Relink) {
+        if let Some(cell) = self.cells.get_mut(&of) {
             cell.links[side] = Some(to);
         }
     }
@@ -127,7 +141,7 @@ impl Line {
     }
 }
 
-fn handle((name, block): (Name, BlockId)) -> Handle {
+fn handle((name, block): Place) -> Handle {
     Handle { name, block, face: 0 }
 }
 
@@ -177,7 +191,8 @@ impl Submesh for Line {
         self.cells.remove(&seed);
         for (side, (name, made)) in self.split(&cell, p).into_iter().enumerate() {
             if let Some((ring, _)) = cell.links[side] {
-                self.relink(ring, 1 - side, (name, self.cuts.block(made.ends.0)));
+                let to = (name, self.cuts.block(made.ends.0));
+                self.relink(Relink { of: ring, side: 1 - side, to });
             }
             self.cells.insert(name, made);
         }
@@ -222,7 +237,7 @@ impl Submesh for Line {
     fn fill(
         &mut self,
         &p: &i64,
-        parts: &[(WorkerId, Vec<Piece>)],
+        parts: &[Part<Piece>],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
@@ -234,7 +249,8 @@ impl Submesh for Line {
                 let block = self.cuts.block(made.ends.0);
                 if let Some((ring, _)) = cell.links[side] {
                     let at = whereabouts(ring).unwrap_or(owner);
-                    patches.entry(at).or_default().relink.push((ring, 1 - side, (name, block)));
+                    let relink = Relink { of: ring, side: 1 - side, to: (name, block) };
+                    patches.entry(at).or_default().relink.push(relink);
                 }
                 let to = if block == home { owner } else { directory.owner(block) };
                 patches.entry(to).or_default().add.push((name, made));
@@ -262,9 +278,7 @@ impl Submesh for Line {
             self.cells.insert(name, cell);
         }
         if C::RELINKS_INTERFACE {
-            for (name, side, to) in patch.relink {
-                self.relink(name, side, to);
-            }
+            patch.relink.into_iter().for_each(|relink| self.relink(relink));
         }
     }
 

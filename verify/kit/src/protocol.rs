@@ -6,12 +6,12 @@
 //! a case is told which rules the case can tell apart.
 
 use crate::line::{Cuts, Line, Queue};
-use crate::world::{Node, Run, Start, Turn, World, differs, play, replay, to_the_end};
+use crate::world::{Chances, Node, Run, Start, Turn, World, differs, play, replay, to_the_end};
 use crate::{Case, File, letters};
 use ltbw::protocol::{Config, Correct, Directory, Rule, Worker, WorkerId};
 use ltbw_models::graph::{Graph, Limits};
 use ltbw_models::hull::Hull;
-use ltbw_models::system::{Choice, System};
+use ltbw_models::system::{Choice, Migration, System};
 use ltbw_models::variants::{self, Variant};
 use ltbw_models::world::{Points, World as Polygon};
 use ltbw_models::worlds;
@@ -261,7 +261,9 @@ fn selected<T: Start>(
         let mut random = Rng::new(seed);
         let (start, moves) = start(seed, &mut random);
         let cancels = random.below(4) == 0;
-        let Some(run) = play(&start, &[], (moves, cancels), LONGEST, &mut random) else { continue };
+        let Some(run) = play(&start, &[], Chances { moves, cancels }, LONGEST, &mut random) else {
+            continue;
+        };
         let found = flags(&start, &run);
         for flag in wanted.iter().filter(|flag| found.contains(flag)) {
             let new = || (start.clone(), run.clone(), found.clone());
@@ -357,14 +359,14 @@ fn shortest<C: Variant>(flag: &str, world: Polygon) -> Shown<Polygon> {
             Choice::Cancel(w) => Some(Turn::Cancel(w)),
             Choice::Move => {
                 let next = broken.next_move(&state);
-                next.map(|(worker, block, to)| Turn::Migrate { worker, block, to })
+                next.map(|Migration { from, block, to }| Turn::Migrate { worker: from, block, to })
             }
         });
         state = broken.after(&state, choice);
     }
     // A step that leaves the rule need not show at once: the end is chosen at random.
     let ends = (0..200).filter_map(|seed| {
-        let run = play(&world, &turns, (0, false), LONGEST, &mut Rng::new(seed))?;
+        let run = play(&world, &turns, Chances::default(), LONGEST, &mut Rng::new(seed))?;
         let found = flags(&world, &run);
         found.contains(&flag).then(|| (world.clone(), run, found))
     });

@@ -197,12 +197,21 @@ pub(super) fn replay<T: Start, C: Variant>(start: &T, turns: &[Turn]) -> Run {
     Run { turns: turns[..steps.len()].to_vec(), steps, state: world.state() }
 }
 
+/// What may happen in a run beside messages.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Chances {
+    /// The number of blocks that may move.
+    pub(super) moves: u64,
+    /// May workers be cancelled?
+    pub(super) cancels: bool,
+}
+
 /// A run of the correct protocol that begins with these turns and goes on at random; `None` if it
 /// has more than `longest` events.
 pub(super) fn play<T: Start>(
     start: &T,
     first: &[Turn],
-    (mut moves, cancels): (u64, bool),
+    Chances { mut moves, cancels }: Chances,
     longest: usize,
     random: &mut Rng,
 ) -> Option<Run> {

@@ -1,6 +1,6 @@
 //! The committed files of the kit are the generated ones.
 
-use ltbw_kit::{FLAGS, files, kit};
+use ltbw_kit::{FLAGS, Generated, files, kit};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use std::path::Path;
 fn committed_vectors_are_the_generated_ones() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors");
     let mut size = 0;
-    for (path, text) in files() {
+    for Generated { path, text } in files() {
         let found = std::fs::read_to_string(root.join(&path)).unwrap_or_default();
         assert!(found == text, "{path}: run `cargo xtask vectors`");
         size += text.len();

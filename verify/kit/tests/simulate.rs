@@ -1,7 +1,7 @@
 //! The simulator, on the smallest mesh that there is.
 
 use ltbw::balance::Balance;
-use ltbw::metrics::{SpanKind, Summary, WorkerFigures};
+use ltbw::metrics::{Extremes, SpanKind, Summary, WorkerFigures};
 use ltbw::protocol::{Config, Correct, Directory, Rule, Rules, Worker, WorkerId};
 use ltbw::simulate::{
     Bursts, Distribution, Network, Options, RandomMigrations, Simulation, SimulationError, simulate,
@@ -92,7 +92,7 @@ fn conserved(summary: &Summary) {
     let loads = summary.messages.get("load").map_or(0, |m| m.count);
     assert_eq!(sum(|w| w.sent.count), summary.all_messages().count);
     assert_eq!(sum(|w| w.received), summary.all_messages().count - loads);
-    if let Some((worst, best)) = summary.extremes_of_tolerance() {
+    if let Some(Extremes { least: worst, most: best }) = summary.extremes_of_tolerance() {
         let between = |lt| worst.lt() <= Some(lt) && Some(lt) <= best.lt();
         assert!(summary.workers.iter().filter_map(WorkerFigures::lt).all(between));
         assert!(summary.worst_lt_strict() <= worst.lt_strict());

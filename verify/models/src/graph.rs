@@ -11,7 +11,7 @@
 //! States are told apart by 64-bit hashes, as stateright does: n states collide with a probability
 //! of about n² / 2^65, 3e-8 for a million.
 
-use crate::system::{Choice, State, System, fingerprint};
+use crate::system::{Choice, Migration, State, System, fingerprint};
 use crate::variants::Variant;
 use crate::witness::{ALL, Witness};
 use crate::world::Network;
@@ -255,7 +255,7 @@ pub fn tell<C: Variant>(system: &System<C>, way: &[Choice]) -> String {
             Choice::Work(at) => format!("{at}: work"),
             Choice::Retry(at, _) => format!("{at}: backoff ends"),
             Choice::Move => {
-                let (from, block, to) = system.next_move(&state).unwrap_or_default();
+                let Migration { from, block, to } = system.next_move(&state).unwrap_or_default();
                 format!("block {block} moves from {from} to {to}")
             }
             Choice::Cancel(at) => format!("{at}: cancel"),

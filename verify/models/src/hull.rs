@@ -19,8 +19,8 @@ use crate::told::Told;
 use crate::variants::Variant;
 use ltbw::check::{Inspect, Seen, Sent};
 use ltbw::protocol::{
-    BlockId, Directory, Handle, Insert, Message, Name, Neighbour, Rules, Submesh, Ticket, Walk,
-    WorkerId,
+    BlockId, Directory, Handle, Insert, Message, Name, Neighbour, Part, Rules, Submesh, Ticket,
+    Walk, WorkerId,
 };
 use ltbw::topology::INFINITE;
 use std::collections::{BTreeMap, BTreeSet};
@@ -195,7 +195,7 @@ impl<C: Variant> Hull<C> {
     }
 
     /// The cavity as a chain, in counter-clockwise order with the worker of each edge.
-    fn chain(parts: &[(WorkerId, Vec<Piece>)]) -> Result<Vec<(WorkerId, Piece)>, &'static str> {
+    fn chain(parts: &[Part<Piece>]) -> Result<Vec<(WorkerId, Piece)>, &'static str> {
         let mut by_name: BTreeMap<Name, (WorkerId, Piece)> = BTreeMap::new();
         for (worker, pieces) in parts {
             for &piece in pieces {
@@ -225,7 +225,7 @@ impl<C: Variant> Hull<C> {
     fn star(
         &mut self,
         point: Vertex,
-        parts: &[(WorkerId, Vec<Piece>)],
+        parts: &[Part<Piece>],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
@@ -425,7 +425,7 @@ impl<C: Variant> Submesh for Hull<C> {
     fn fill(
         &mut self,
         point: &Vertex,
-        parts: &[(WorkerId, Vec<Piece>)],
+        parts: &[Part<Piece>],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {

@@ -5,7 +5,7 @@ use crate::hull::{Hull, Letter};
 use crate::variants::Variant;
 use crate::world::{Network, Node, Points, World};
 use ltbw::balance::Workload;
-use ltbw::check::Between;
+use ltbw::check::{Between, UnderWay};
 use ltbw::protocol::{
     Action, Attempt, BlockId, Broken, Event, Message, Name, Note, Rule, Submesh, Ticket, WorkerId,
     message_of,
@@ -76,7 +76,7 @@ pub struct State<C: Variant> {
     pub committed: BTreeSet<Ticket>,
     /// Requests that have waited for a lock and neither got it nor ended since: worker, cell and
     /// operation. In the correct protocol these are the requests that wait.
-    pub claims: BTreeSet<(WorkerId, Name, Ticket)>,
+    pub claims: BTreeSet<Claim>,
     /// The fault, if there is one.
     pub fault: Option<&'static str>,
 }
@@ -184,11 +184,11 @@ impl<C: Variant> System<C> {
         next
     }
 
-    /// The next move of a block that is allowed now: from, block, to.
-    pub fn next_move(&self, state: &State<C>) -> Option<(WorkerId, BlockId, WorkerId)> {
+    /// The next move of a block that is allowed now.
+    pub fn next_move(&self, state: &State<C>) -> Option<Migration> {
         let &(block, to) = self.world.moves.get(state.moved)?;
         let from = WorkerId::at(state.nodes.iter().position(|node| node.can_migrate(block))?);
-        (from != to).then_some((from, block, to))
+        (from != to).then_some(Migration { from, block, to })
     }
 
     /// Takes the event of `choice` out of the state.
@@ -208,7 +208,7 @@ impl<C: Variant> System<C> {
                 (at, Event::Retry(ticket))
             }
             Choice::Move => {
-                let (from, block, to) = self.next_move(state).unwrap_or_default();
+                let Migration { from, block, to } = self.next_move(state).unwrap_or_default();
                 state.moved += 1;
                 (from, Event::Migrate { block, to })
             }
@@ -255,7 +255,7 @@ impl<C: Variant> System<C> {
     /// The state as the checks of the invariants see it.
     fn between<'a>(&self, state: &'a State<C>) -> Between<'a, Hull<C>, Points, C> {
         let letters = state.channels.iter().flat_map(|(&(from, to), letters)| {
-            letters.iter().map(move |letter| (from, to, &**letter))
+            letters.iter().map(move |letter| UnderWay { from, to, message: &**letter })
         });
         let between = Between::new(state.nodes.iter().map(|node| &**node), letters);
         if self.world.termination { between } else { between.without_counts() }
@@ -321,17 +321,39 @@ fn fault_of(message: &str) -> &'static str {
     broken.map_or("a step panics", |broken| NAMES[broken.invariant as usize - 1])
 }
 
+/// A block that moves from one worker to another.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Migration {
+    /// The worker that gives it.
+    pub from: WorkerId,
+    /// The block.
+    pub block: BlockId,
+    /// The worker that gets it.
+    pub to: WorkerId,
+}
+
+/// A request at a worker waits for the lock of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Claim {
+    /// The worker.
+    pub worker: WorkerId,
+    /// The cell.
+    pub name: Name,
+    /// The request.
+    pub ticket: Ticket,
+}
+
 /// Theorem 2 rests on this: a lock for which a request waits goes to that request, or to an older
 /// one, unless the request ends first. Updates the claims at worker `at` after a step, and returns
 /// what is wrong.
 fn claim<C: Variant>(
-    claims: &mut BTreeSet<(WorkerId, Name, Ticket)>,
+    claims: &mut BTreeSet<Claim>,
     at: WorkerId,
     before: &Node<C>,
     after: &Node<C>,
 ) -> Option<&'static str> {
     let mut overtaken = false;
-    claims.retain(|&(worker, name, ticket)| {
+    claims.retain(|&Claim { worker, name, ticket }| {
         if worker != at {
             return true;
         }
@@ -344,7 +366,7 @@ fn claim<C: Variant>(
         after.has_request(ticket) && holder != Some(ticket)
     });
     after.visit_waiting(&mut |t, ticket| {
-        claims.extend(after.mesh().name_of(t).map(|name| (at, name, ticket)));
+        claims.extend(after.mesh().name_of(t).map(|name| Claim { worker: at, name, ticket }));
     });
     overtaken.then_some("a younger operation takes a lock that an older one waits for")
 }

@@ -7,7 +7,7 @@ use crate::hull::Hull;
 use crate::variants::Variant;
 use crate::world::{Node, Points, World};
 use ltbw::balance::Balance;
-use ltbw::mailbox::{Endpoint, connect_as};
+use ltbw::mailbox::{Endpoint, Received, connect_as};
 use ltbw::metrics::Nanos;
 use ltbw::protocol::{Action, Attempt, BlockId, Event, Note, WorkerId};
 use ltbw::threads::{Ended, Loop, RuntimeHooks};
@@ -56,7 +56,7 @@ impl<C: Variant> Transport<Mail<Hull<C>>> for Way<C> {
         Transport::flush(&mut *self.0);
     }
 
-    fn take(&mut self, into: &mut Vec<(WorkerId, Mail<Hull<C>>)>) {
+    fn take(&mut self, into: &mut Vec<Received<Mail<Hull<C>>>>) {
         Transport::take(&mut *self.0, into);
     }
 

@@ -107,6 +107,12 @@ pub enum Network {
     Unordered,
 }
 
+/// The coordinates of a vertex and the number of its block.
+pub type Placed = (i16, i16, u8);
+
+/// The numbers of a block that moves and of the worker that gets it.
+pub type Moved = (u32, u32);
+
 /// A closed world: everything that can happen follows from it.
 #[derive(Clone, Debug)]
 pub struct World {
@@ -140,13 +146,8 @@ pub struct World {
 impl World {
     /// A world under wound-wait on ordered channels: no token, no moves, no cancels. Owners are
     /// numbers of workers.
-    pub fn new(
-        name: &'static str,
-        owners: &[u32],
-        polygon: &[(i16, i16, u8)],
-        points: &[(i16, i16, u8)],
-    ) -> Self {
-        let vertex = |&(x, y, block): &(i16, i16, u8)| Vertex { x, y, block };
+    pub fn new(name: &'static str, owners: &[u32], polygon: &[Placed], points: &[Placed]) -> Self {
+        let vertex = |&(x, y, block): &Placed| Vertex { x, y, block };
         Self {
             name,
             owners: owners.iter().copied().map(WorkerId::new).collect(),
@@ -182,8 +183,8 @@ impl World {
     }
 
     /// This world with a second round of points.
-    pub fn then(mut self, second: &[(i16, i16, u8)]) -> Self {
-        let vertex = |&(x, y, block): &(i16, i16, u8)| Vertex { x, y, block };
+    pub fn then(mut self, second: &[Placed]) -> Self {
+        let vertex = |&(x, y, block): &Placed| Vertex { x, y, block };
         self.second = Some(second.iter().map(vertex).collect());
         self
     }
@@ -194,7 +195,7 @@ impl World {
     }
 
     /// This world with moves of blocks to workers, by their numbers.
-    pub fn moving(mut self, moves: &[(u32, u32)]) -> Self {
+    pub fn moving(mut self, moves: &[Moved]) -> Self {
         let ids = |&(block, to)| (BlockId::new(block), WorkerId::new(to));
         self.moves = moves.iter().map(ids).collect();
         self

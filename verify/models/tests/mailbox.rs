@@ -43,7 +43,7 @@ fn receive<C: Rules>(end: &mut Endpoint<u32, C>, count: usize) -> Vec<(u32, u32)
         end.wait();
         end.try_take(&mut taken);
     }
-    taken.into_iter().map(|(from, number): (WorkerId, u32)| (from.number(), number)).collect()
+    taken.into_iter().map(|received| (received.from.number(), received.message)).collect()
 }
 
 /// Two senders, one of them in two batches, and a receiver that sleeps.

@@ -2,7 +2,7 @@
 
 use ltbw_exact::Point;
 use ltbw_exact::predicates::filter::power_of_two;
-use ltbw_exact::predicates::long::parts;
+use ltbw_exact::predicates::long::{Parts, parts};
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ fn unit<'a>(points: impl Iterator<Item = &'a Point>) -> i32 {
 
 /// The exponent of the lowest bit of a number that is not zero.
 fn lowest_bit(value: f64) -> i32 {
-    let (mantissa, exponent, _) = parts(value);
+    let Parts { mantissa, exponent, .. } = parts(value);
     exponent + mantissa.trailing_zeros() as i32
 }
 
@@ -27,14 +27,14 @@ fn integers(p: &Point, unit: i32) -> [BigInt; 3] {
         if c == 0.0 {
             return BigInt::zero();
         }
-        let (mantissa, exponent, negative) = parts(c);
+        let Parts { mantissa, exponent, is_negative } = parts(c);
         let shift = exponent - unit;
         let magnitude = if shift >= 0 {
             BigInt::from(mantissa) << shift
         } else {
             BigInt::from(mantissa >> -shift)
         };
-        if negative { -magnitude } else { magnitude }
+        if is_negative { -magnitude } else { magnitude }
     })
 }
 
@@ -97,6 +97,14 @@ fn ratio(numerator: &BigInt, denominator: &BigInt) -> f64 {
     quotient.to_f64().unwrap_or(f64::NAN) * power(-shift as i32)
 }
 
+/// A triangle of a surface, and how often its volume counts.
+#[derive(Clone, Copy)]
+pub(super) struct Turned {
+    pub(super) corners: [u32; 3],
+    /// -1 where it is seen from its other side; at most 1.
+    pub(super) factor: i32,
+}
+
 /// An exact volume: a rational number.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Volume {
@@ -114,9 +122,10 @@ impl Volume {
     }
 
     /// The sum over triangles of the signed volumes of the tetrahedra that they form with the
-    /// origin, each times its factor of at most 1. Over a closed surface: the volume inside.
-    pub(super) fn of_cone(points: &[Point], triangles: &[([u32; 3], i32)]) -> Self {
-        let corners = || triangles.iter().flat_map(|(t, _)| t.iter().map(|&v| &points[v as usize]));
+    /// origin, each times its factor. Over a closed surface: the volume inside.
+    pub(super) fn of_cone(points: &[Point], triangles: &[Turned]) -> Self {
+        let of = |turned: &Turned| turned.corners.map(|v| &points[v as usize]);
+        let corners = || triangles.iter().flat_map(of);
         let unit = unit(corners());
         let highest = corners().flatten().filter(|&&c| c != 0.0).map(|&c| highest_bit(c)).max();
         // Bits of a product of three coordinates, of the six of them in a determinant, of the sum.
@@ -124,15 +133,15 @@ impl Volume {
         let count = triangles.len().max(1).ilog2() as i32 + 1;
         let sum = if bits + count < 126 {
             let small = |p: &Point| p.map(|c| (c / power(unit)) as i128);
-            let one = |(t, factor): &([u32; 3], i32)| {
-                let [a, b, c] = t.map(|v| small(&points[v as usize]));
-                determinant([&a, &b, &c]) * i128::from(*factor)
+            let one = |turned: &Turned| {
+                let [a, b, c] = of(turned).map(small);
+                determinant([&a, &b, &c]) * i128::from(turned.factor)
             };
             BigInt::from(triangles.par_iter().map(one).sum::<i128>())
         } else {
-            let one = |(t, factor): &([u32; 3], i32)| {
-                let [a, b, c] = t.map(|v| integers(&points[v as usize], unit));
-                determinant([&a, &b, &c]) * *factor
+            let one = |turned: &Turned| {
+                let [a, b, c] = of(turned).map(|p| integers(p, unit));
+                determinant([&a, &b, &c]) * turned.factor
             };
             triangles.par_iter().map(one).reduce(BigInt::zero, |a, b| a + b)
         };
@@ -174,7 +183,7 @@ impl Volume {
 
 /// The exponent of the highest bit of a number that is not zero.
 fn highest_bit(value: f64) -> i32 {
-    let (mantissa, exponent, _) = parts(value);
+    let Parts { mantissa, exponent, .. } = parts(value);
     exponent + 63 - mantissa.leading_zeros() as i32
 }
 

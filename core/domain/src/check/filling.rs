@@ -9,8 +9,21 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 /// The count of a step over facets between two cells, from the first to the second.
 type Steps = BTreeMap<[u32; 2], i64>;
 
-/// A cell, the one from which it is reached, and how the step counts.
-type Reached = (u32, u32, i64);
+/// A step over facets between two cells.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Step {
+    cells: [u32; 2],
+    /// The count from the first to the second.
+    count: i64,
+}
+
+/// A cell that a step has reached.
+struct Reached {
+    cell: u32,
+    from: u32,
+    /// The count of the step.
+    step: i64,
+}
 
 impl Question<'_> {
     /// Decides which cells are filled. All of them are, unless the surface is oriented or bodies in
@@ -56,12 +69,13 @@ impl Question<'_> {
         if plain.iter().any(|(pair, sum)| *sum == 0 || inner.contains_key(pair)) {
             return None;
         }
-        let steps = plain.into_iter().chain(inner).map(|(pair, sum)| (pair, sum.signum()));
+        let steps = plain.into_iter().chain(inner);
+        let steps = steps.map(|(cells, sum)| Step { cells, count: sum.signum() });
         let (_, reached) = self.spread(steps, |own, step| own + step)?;
         // The way that what is inside is turned, and 0 for the exterior.
         let mut turned = vec![0; self.cells.count as usize];
         let mut nested = HashSet::new();
-        for (cell, from, step) in reached {
+        for Reached { cell, from, step } in reached {
             let around = turned[from as usize];
             turned[cell as usize] = match step {
                 0 => around,
@@ -94,8 +108,9 @@ impl Question<'_> {
     /// For each cell whether the number of facets between it and the outside is odd, inner facets
     /// not counted; `None` if that depends on the way.
     fn depth(&self) -> Option<Vec<bool>> {
-        let steps: BTreeSet<([u32; 2], i64)> =
-            self.steps().map(|(pair, inner, _)| (pair, i64::from(!inner))).collect();
+        let step =
+            |(cells, inner, _): ([u32; 2], bool, bool)| Step { cells, count: i64::from(!inner) };
+        let steps: BTreeSet<Step> = self.steps().map(step).collect();
         let (odd, _) = self.spread(steps.into_iter(), |own, step| (own + step).rem_euclid(2))?;
         Some(odd.into_iter().map(|odd| odd == 1).collect())
     }
@@ -104,14 +119,14 @@ impl Question<'_> {
     /// on the way, or does not reach all. With the cells in the order in which they are reached.
     fn spread(
         &self,
-        steps: impl Iterator<Item = ([u32; 2], i64)>,
+        steps: impl Iterator<Item = Step>,
         next: impl Fn(i64, i64) -> i64,
     ) -> Option<(Vec<i64>, Vec<Reached>)> {
         let count = self.cells.count as usize;
         let mut neighbours: Vec<Vec<(u32, i64)>> = vec![Vec::new(); count];
-        for ([a, b], step) in steps {
-            neighbours[a as usize].push((b, step));
-            neighbours[b as usize].push((a, -step));
+        for Step { cells: [a, b], count } in steps {
+            neighbours[a as usize].push((b, count));
+            neighbours[b as usize].push((a, -count));
         }
         let mut numbers: Vec<Option<i64>> = vec![None; count];
         numbers[OUTSIDE as usize] = Some(0);
@@ -127,7 +142,7 @@ impl Question<'_> {
                     None => {
                         numbers[other as usize] = Some(number);
                         stack.push(other);
-                        reached.push((other, cell, step));
+                        reached.push(Reached { cell: other, from: cell, step });
                     }
                 }
             }

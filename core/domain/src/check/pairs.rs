@@ -19,7 +19,19 @@ const ENOUGH_AT_ONE: usize = 64;
 const WAVE: usize = 1 << 12;
 
 /// A contact of two pieces, the lower number first.
-type Found = (u32, u32, Contact);
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Found {
+    one: u32,
+    other: u32,
+    contact: Contact,
+}
+
+/// A pair of elements in contact, which is told once.
+#[derive(PartialEq, Eq, Hash)]
+struct Told {
+    elements: [Element; 2],
+    kind: DefectKind,
+}
 
 /// Finds the contacts between pieces and reports each once for every pair of elements.
 pub(super) fn find(complex: &Complex<'_>, pieces: &[Piece], findings: &mut Findings) {
@@ -35,9 +47,9 @@ pub(super) fn find(complex: &Complex<'_>, pieces: &[Piece], findings: &mut Findi
     // Two pieces may be together in several lists.
     found.sort_unstable();
     found.dedup();
-    let mut seen: HashSet<(Element, Element, DefectKind)> = HashSet::new();
-    for (one, other, contact) in found {
-        report(complex, one, other, contact, &mut seen, findings);
+    let mut told = HashSet::new();
+    for found in found {
+        report(complex, found, &mut told, findings);
     }
 }
 
@@ -67,8 +79,9 @@ fn near<'a>(pieces: &'a [Piece], n: u32, others: &'a [u32]) -> impl Iterator<Ite
 /// The contacts between the pieces of a list.
 fn contacts_in(complex: &Complex<'_>, pieces: &[Piece], list: &[u32]) -> Vec<Found> {
     let of = |(n, others): (u32, &[u32])| {
-        let contacts = near(pieces, n, others)
-            .filter_map(|other| contact(complex, n, other).map(|contact| (n, other, contact)));
+        let contacts = near(pieces, n, others).filter_map(|other| {
+            Some(Found { one: n, other, contact: contact(complex, n, other)? })
+        });
         contacts.take(ENOUGH_AT_ONE).collect::<Vec<Found>>()
     };
     with_others(complex, list).flat_map(of).collect()
@@ -108,14 +121,8 @@ fn contact(complex: &Complex<'_>, number: u32, other: u32) -> Option<Contact> {
     }
 }
 
-fn report(
-    complex: &Complex<'_>,
-    one: u32,
-    other: u32,
-    contact: Contact,
-    seen: &mut HashSet<(Element, Element, DefectKind)>,
-    findings: &mut Findings,
-) {
+fn report(complex: &Complex<'_>, found: Found, told: &mut HashSet<Told>, findings: &mut Findings) {
+    let Found { one, other, contact } = found;
     let (a, b) = (complex.element(one), complex.element(other));
     let kind = match contact {
         Contact::Crossing => DefectKind::Intersection,
@@ -124,7 +131,7 @@ fn report(
     };
     // A vertex on many triangles of one facet is one finding, at one vertex.
     let mut elements = vec![a, b];
-    let mut key = (a.min(b), a.max(b));
+    let mut pair = [a.min(b), a.max(b)];
     if let Contact::Touch(v) = contact {
         let vertex = Element::Vertex(v);
         let names = |n: u32| match complex.shape(n) {
@@ -134,9 +141,9 @@ fn report(
         };
         let touched = if names(one) { b } else { a };
         elements = vec![vertex, touched];
-        key = (vertex, touched);
+        pair = [vertex, touched];
     }
-    if !seen.insert((key.0, key.1, kind)) {
+    if !told.insert(Told { elements: pair, kind }) {
         return;
     }
     let point = |v: u32| complex.points[v as usize];

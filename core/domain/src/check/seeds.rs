@@ -3,7 +3,7 @@
 use super::cells::{self, Cells, OUTSIDE};
 use super::complex::{Complex, Piece, Shape};
 use super::contact::Contacts;
-use super::exact::Volume;
+use super::exact::{Turned, Volume};
 use super::rays::cast;
 use super::{Cell, CheckOptions, DomainReport, Findings, bodies, ends};
 use crate::{DefectKind, Domain, Element};
@@ -95,13 +95,13 @@ impl Question<'_> {
 
     /// The bounded cells with their volumes, all of them filled.
     fn volumes(&self) -> Vec<Cell> {
-        let mut borders: Vec<Vec<([u32; 3], i32)>> = vec![Vec::new(); self.cells.count as usize];
+        let mut borders: Vec<Vec<Turned>> = vec![Vec::new(); self.cells.count as usize];
         for (t, &corners) in self.complex.triangles.iter().enumerate() {
             let [front, back] = self.cells.beside(t);
             if front != back {
                 // Seen from the cell behind it, a triangle points outwards.
-                borders[front as usize].push((corners, -1));
-                borders[back as usize].push((corners, 1));
+                borders[front as usize].push(Turned { corners, factor: -1 });
+                borders[back as usize].push(Turned { corners, factor: 1 });
             }
         }
         borders[1..]

@@ -81,7 +81,7 @@ pub fn exact_cmp_distance(p: &Point, a: &Point, b: &Point) -> Ordering {
 
 #[cfg(test)]
 mod tests {
-    use super::super::long::parts;
+    use super::super::long::{Parts, parts};
     use super::*;
     use num_bigint::BigInt;
     use proptest::prelude::*;
@@ -89,9 +89,9 @@ mod tests {
     /// The twin: big integers in units of 2^-1074, differences squared.
     fn twin(p: &Point, a: &Point, b: &Point) -> Ordering {
         let integer = |c: f64| {
-            let (mantissa, exponent, negative) = parts(c);
+            let Parts { mantissa, exponent, is_negative } = parts(c);
             let magnitude = BigInt::from(mantissa) << (exponent + 1074);
-            if negative { -magnitude } else { magnitude }
+            if is_negative { -magnitude } else { magnitude }
         };
         let square = |q: &Point| -> BigInt {
             (0..3).map(|k| integer(p[k]) - integer(q[k])).map(|d| &d * &d).sum()

@@ -44,14 +44,14 @@ impl<const WORDS: usize> Sum<WORDS> {
         let mut shift = 0;
         let mut negative = sign.is_negative();
         for (k, &factor) in factors.iter().enumerate() {
-            let (mantissa, exponent, minus) = parts(factor);
+            let Parts { mantissa, exponent, is_negative } = parts(factor);
             if mantissa == 0 {
                 return;
             }
             multiply(&mut product[..=k], mantissa);
             // Not negative: the least exponent of a bit of an f64 is -1074.
             shift += (exponent + 1074) as usize;
-            negative ^= minus;
+            negative ^= is_negative;
         }
         let (word, bit) = (shift / 64, shift % 64);
         let sum = if negative { &mut self.negative } else { &mut self.positive };
@@ -92,15 +92,26 @@ fn multiply(number: &mut [u64], factor: u64) {
     }
 }
 
-/// (m, e, s): |value| = m 2^e with m below 2^53, and whether it is negative.
+/// The parts of an `f64`, whose magnitude is `mantissa` · 2^`exponent`.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts {
+    /// Below 2^53.
+    pub mantissa: u64,
+    /// At least -1074.
+    pub exponent: i32,
+    /// The sign bit.
+    pub is_negative: bool,
+}
+
+/// The parts of a finite `f64`.
 #[inline]
-pub fn parts(value: f64) -> (u64, i32, bool) {
+pub fn parts(value: f64) -> Parts {
     let bits = value.to_bits();
     let field = ((bits >> 52) & 0x7ff) as i32;
     let fraction = bits & ((1 << 52) - 1);
     let (mantissa, exponent) =
         if field == 0 { (fraction, -1074) } else { (fraction | 1 << 52, field - 1075) };
-    (mantissa, exponent, bits >> 63 == 1)
+    Parts { mantissa, exponent, is_negative: bits >> 63 == 1 }
 }
 
 #[cfg(test)]
@@ -123,9 +134,9 @@ mod tests {
     }
 
     fn integer(value: f64) -> BigInt {
-        let (mantissa, exponent, negative) = parts(value);
+        let Parts { mantissa, exponent, is_negative } = parts(value);
         let magnitude = BigInt::from(mantissa) << (exponent + 1074);
-        if negative { -magnitude } else { magnitude }
+        if is_negative { -magnitude } else { magnitude }
     }
 
     fn check<const N: usize, const WORDS: usize>(terms: &[[f64; N]]) {

@@ -29,7 +29,7 @@ pub use super::MshVersion;
 use super::error::{ParseError, Place, Reason, excerpt};
 use super::text::{capacity, count};
 use super::{GroupName, MeshFile};
-use parts::Parts;
+use parts::{Datum, Parts};
 use source::{Form, Source};
 pub(super) use write::{check, write_hashed};
 pub use write::{write, write_named};
@@ -185,7 +185,7 @@ fn data(source: &mut Source<'_>, parts: &mut Parts, section: &str) -> Result<(),
     let each = if source.is_text() { 4 } else { 12 };
     let mut values = Vec::with_capacity(capacity(announced, source.remaining(), each));
     for _ in 0..announced {
-        values.push((source.small_size()?, source.double()?));
+        values.push(Datum { number: source.small_size()?, value: source.double()? });
     }
     source.end(section)?;
     if section == "NodeData" {

@@ -3,7 +3,7 @@
 
 use crate::curved::Curved;
 use crate::error::Reason;
-use crate::faces::owned;
+use crate::faces::{Marked, owned};
 use crate::scalar::exact_integer;
 use crate::{GroupName, MeshFile};
 use ltbw_core::TetMesh;
@@ -132,9 +132,9 @@ pub(super) struct Parts {
     /// Other names of groups of surfaces and volumes.
     pub(super) names: Vec<GroupName>,
     /// Values of the view `tag` at nodes, by number.
-    pub(super) tags: Option<Vec<(u64, f64)>>,
+    pub(super) tags: Option<Vec<Datum>>,
     /// Values of the view `region` in elements, by number.
-    pub(super) regions: Option<Vec<(u64, f64)>>,
+    pub(super) regions: Option<Vec<Datum>>,
     pub(super) other_elements: bool,
     pub(super) several_groups: bool,
     pub(super) curved: Curved,
@@ -203,8 +203,8 @@ impl Parts {
         let mut mesh = TetMesh { points, tets, point_tags, tet_tags, ..TetMesh::default() };
         triangles.sort_by_key(|t| t.number);
         let marker = |t: &Triangle| markers.get(&t.physical).copied().unwrap_or(t.physical);
-        let triangles: Vec<([u32; 3], i64)> =
-            triangles.iter().map(|t| (t.corners, marker(t))).collect();
+        let marked = |t: &Triangle| Marked { corners: t.corners, marker: marker(t) };
+        let triangles: Vec<Marked> = triangles.iter().map(marked).collect();
         let note;
         (mesh.faces, note) = owned(&mesh, &triangles);
         notes.extend(note);
@@ -212,16 +212,22 @@ impl Parts {
     }
 }
 
+/// The value of a view at a node or an element.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Datum {
+    /// The number of the node or element.
+    pub(super) number: u64,
+    pub(super) value: f64,
+}
+
 /// The values as integers in the order of `count` things, if each has one.
-fn whole(
-    values: &[(u64, f64)],
-    count: usize,
-    index: impl Fn(u64) -> Option<usize>,
-) -> Option<Vec<i64>> {
+fn whole(values: &[Datum], count: usize, index: impl Fn(u64) -> Option<usize>) -> Option<Vec<i64>> {
     let mut found = vec![None; count];
     // Data of elements may be given for triangles, too.
-    for (i, value) in values.iter().filter_map(|&(n, v)| Some((index(n)?, v))) {
-        found[i] = exact_integer(value);
+    for datum in values {
+        if let Some(i) = index(datum.number) {
+            found[i] = exact_integer(datum.value);
+        }
     }
     found.into_iter().collect()
 }

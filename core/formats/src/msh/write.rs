@@ -229,14 +229,15 @@ pub fn write_named(
     version: MshVersion,
     encoding: Encoding,
 ) -> Result<()> {
-    write_hashed(out, mesh, (names, None), WriteOptions { msh_version: version, encoding })
+    write_hashed(out, mesh, names, None, WriteOptions { msh_version: version, encoding })
 }
 
 /// Writes names and the hash of the mesh, which stands in a section that readers pass over.
 pub(crate) fn write_hashed(
     out: &mut dyn Write,
     mesh: &TetMesh,
-    (names, hash): (&[GroupName], Option<&str>),
+    names: &[GroupName],
+    hash: Option<&str>,
     options: WriteOptions,
 ) -> Result<()> {
     let WriteOptions { msh_version: version, encoding } = options;
@@ -271,36 +272,45 @@ pub(crate) fn write_hashed(
         MshVersion::V2_2 => version_2(sink, mesh, &regions, &surfaces)?,
     }
     if let Some(tags) = &mesh.point_tags {
-        view(sink, "NodeData", "tag", tags.len(), |i| (i, tags[i]))?;
+        view(sink, "NodeData", "tag", tags.len(), |i| Entry { index: i, value: tags[i] })?;
     }
     if let Regions::View(tags) = regions {
         // Some readers ignore the numbers: a value for each element, in the order of the elements.
         let count = tags.len();
         view(sink, "ElementData", "region", count + faces.len(), |i| {
-            let Some(place) = i.checked_sub(count) else { return (i, tags[i]) };
+            let Some(place) = i.checked_sub(count) else {
+                return Entry { index: i, value: tags[i] };
+            };
             let face = match version {
                 MshVersion::V4_1 => surfaces.order[place],
                 MshVersion::V2_2 => place,
             };
-            (count + face, tags.get(faces[face].tet).copied().unwrap_or(0))
+            let value = tags.get(faces[face].tet).copied().unwrap_or(0);
+            Entry { index: count + face, value }
         })?;
     }
     Ok(())
 }
 
-/// Writes a view: nodes or elements, numbered from 0, and their values.
+/// The value of a view at a node or an element, which is numbered from 0.
+struct Entry {
+    index: usize,
+    value: i64,
+}
+
+/// Writes a view.
 fn view(
     sink: &mut Sink<'_>,
     section: &str,
     name: &str,
     count: usize,
-    value: impl Fn(usize) -> (usize, i64) + Sync,
+    entry: impl Fn(usize) -> Entry + Sync,
 ) -> Result<()> {
     // One text (the name), one real (the time), three integers: time step, components, values.
     sink.line(&format!("${section}\n1\n\"{name}\"\n1\n0\n3\n0\n1\n{count}"))?;
     sink.rows(count, |i, row| {
-        let (number, value) = value(i);
-        row.int(number as i64 + 1);
+        let Entry { index, value } = entry(i);
+        row.int(index as i64 + 1);
         row.whole(value);
     })?;
     sink.end(section)

@@ -1,6 +1,6 @@
 //! The faces of a `.ply` file: a surface.
 
-use super::super::surface::{Corners, Surface};
+use super::super::surface::{Corners, Face, Surface};
 use super::super::text::{capacity, push_integer, push_point, write_rows};
 use super::super::{DomainFile, Encoding, Point};
 use super::{
@@ -45,11 +45,11 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
         for (row, corners) in faces.corners.iter().enumerate() {
             let marker = faces.markers.get(row).copied().unwrap_or(0);
             let added = match holds {
-                Rows::Faces => corners_of(corners, surface.points(), ("face", row))
+                Rows::Faces => corners_of(corners, surface.points(), "face", row)
                     .and_then(|c| surface.marked_face(Corners::from(&c[..]), marker)),
                 _ => corners.split(|&v| v == BREAK).try_for_each(|part| {
                     let what = if holds == Rows::Fans { "fan" } else { "strip" };
-                    let part = corners_of(part, surface.points(), (what, row))?;
+                    let part = corners_of(part, surface.points(), what, row)?;
                     match holds {
                         Rows::Fans => surface.fan(&part, marker),
                         _ => surface.strip(&part, marker),
@@ -77,7 +77,8 @@ const BREAK: i64 = -1;
 fn corners_of(
     corners: &[i64],
     points: usize,
-    (what, number): (&'static str, usize),
+    what: &'static str,
+    number: usize,
 ) -> Result<Vec<u32>, Reason> {
     let (number, first, last) = (number as u64, 0, points as i64 - 1);
     match corners.iter().find(|&&v| v < first || v > last) {
@@ -148,12 +149,12 @@ fn face(body: &mut Body<'_>, element: &Element) -> Result<(Vec<i64>, Option<i32>
 pub(crate) fn write_surface(
     out: &mut dyn Write,
     points: &[Point],
-    faces: &[(&[u32], i32)],
+    faces: &[Face<'_>],
     encoding: Encoding,
 ) -> std::io::Result<()> {
     super::write_start(out, points.len(), encoding)?;
     writeln!(out, "element face {}\nproperty list uint uint vertex_indices", faces.len())?;
-    let marked = faces.iter().any(|&(_, marker)| marker != 0);
+    let marked = faces.iter().any(|face| face.marker != 0);
     if marked {
         writeln!(out, "property int marker")?;
     }
@@ -166,7 +167,7 @@ pub(crate) fn write_surface(
         Encoding::Binary => points[i].iter().for_each(|c| row.extend(c.to_le_bytes())),
     })?;
     write_rows(out, faces.len(), |i, row| {
-        let (corners, marker) = faces[i];
+        let Face { corners, marker } = faces[i];
         match encoding {
             Encoding::Ascii => {
                 push_integer(row, corners.len() as i64);

@@ -317,7 +317,7 @@ fn attribute(
             if table.is_some_and(|w| w.eq_ignore_ascii_case(b"LOOKUP_TABLE")) {
                 source.words();
             }
-            array(source, parts, name, kind, [width, rows], about)
+            array(source, parts, Announced { about, name, kind, width, rows })
         }
         b"COLOR_SCALARS" => {
             parts.other_arrays = true;
@@ -330,21 +330,21 @@ fn attribute(
         }
         b"VECTORS" | b"NORMALS" => {
             let kind = source.kind(word(2))?;
-            array(source, parts, name, kind, [3, rows], about)
+            array(source, parts, Announced { about, name, kind, width: 3, rows })
         }
         b"TENSORS" | b"TENSORS6" => {
             let kind = source.kind(word(2))?;
             let width = if word(0).ends_with(b"6") { 6 } else { 9 };
-            array(source, parts, name, kind, [width, rows], about)
+            array(source, parts, Announced { about, name, kind, width, rows })
         }
         b"TEXTURE_COORDINATES" => {
             let kind = source.kind(word(3))?;
             let width = number(source, word(2))?;
-            array(source, parts, name, kind, [width, rows], about)
+            array(source, parts, Announced { about, name, kind, width, rows })
         }
         b"GLOBAL_IDS" | b"PEDIGREE_IDS" | b"EDGE_FLAGS" => {
             let kind = source.kind(word(2))?;
-            array(source, parts, name, kind, [1, rows], about)
+            array(source, parts, Announced { about, name, kind, width: 1, rows })
         }
         b"FIELD" => {
             let arrays = number(source, word(2))?;
@@ -358,9 +358,9 @@ fn attribute(
                 let [name, width, rows, kind] = line.as_slice() else {
                     return Err(source.syntax("expected name, components, tuples and type"));
                 };
-                let sizes = [number(source, width)?, number(source, rows)?];
+                let (width, rows) = (number(source, width)?, number(source, rows)?);
                 let kind = source.kind(kind)?;
-                array(source, parts, name, kind, sizes, about)?;
+                array(source, parts, Announced { about, name, kind, width, rows })?;
             }
             Ok(())
         }
@@ -368,15 +368,22 @@ fn attribute(
     }
 }
 
+/// What a file says of an array of data.
+struct Announced<'a> {
+    about: About,
+    name: &'a [u8],
+    kind: Type,
+    width: u64,
+    rows: u64,
+}
+
 /// Reads an array of data if it is one that is wanted.
 fn array(
     source: &mut Source<'_>,
     parts: &mut Parts,
-    name: &[u8],
-    kind: Type,
-    [width, rows]: [u64; 2],
-    about: About,
+    announced: Announced<'_>,
 ) -> Result<(), ParseError> {
+    let Announced { about, name, kind, width, rows } = announced;
     if (about, name, width) == (About::Cells, b"attribute", 1) && !kind.is_whole() {
         if parts.attributes.is_some() {
             return Err(source.syntax("the same array twice"));

@@ -1,8 +1,10 @@
 //! Writing `.vtk` files of version 5.1: text or big-endian binary.
 
 use crate::Encoding;
+use crate::surface::Face;
 use crate::text::{push_float, push_integer, push_point, write_rows};
 use ltbw_core::TetMesh;
+use ltbw_domain::quality::Array;
 use ltbw_exact::Point;
 use std::io::{Result, Write};
 
@@ -101,7 +103,7 @@ impl Sink<'_> {
 pub fn write_with(
     out: &mut dyn Write,
     mesh: &TetMesh,
-    values: &[(&'static str, Vec<f64>)],
+    values: &[Array],
     encoding: Encoding,
 ) -> Result<()> {
     let mut sink = Sink { out, ascii: encoding == Encoding::Ascii };
@@ -138,7 +140,7 @@ pub fn write_with(
     let owner = |i: usize| if i < tets.len() { i } else { faces[i - tets.len()].tet };
     let attributes = mesh.tet_attributes.iter().map(|values| ("attribute", values));
     let floats: Vec<(&str, &Vec<f64>)> =
-        attributes.chain(values.iter().map(|(name, values)| (*name, values))).collect();
+        attributes.chain(values.iter().map(|array| (array.name, &array.values))).collect();
     let arrays =
         usize::from(mesh.tet_tags.is_some()) + usize::from(!faces.is_empty()) + floats.len();
     if arrays == 0 {
@@ -165,25 +167,25 @@ pub fn write_with(
 pub(crate) fn write_surface(
     out: &mut dyn Write,
     points: &[Point],
-    faces: &[(&[u32], i32)],
+    faces: &[Face<'_>],
     encoding: Encoding,
 ) -> Result<()> {
     let mut sink = Sink { out, ascii: encoding == Encoding::Ascii };
     sink.header("POLYDATA", points)?;
     let ends: Vec<usize> = faces
         .iter()
-        .scan(0, |end, (corners, _)| {
-            *end += corners.len();
+        .scan(0, |end, face| {
+            *end += face.corners.len();
             Some(*end)
         })
         .collect();
     let corners = ends.last().copied().unwrap_or(0);
-    let list = |i: usize, push: &mut dyn FnMut(u32)| faces[i].0.iter().for_each(|&v| push(v));
+    let list = |i: usize, push: &mut dyn FnMut(u32)| faces[i].corners.iter().for_each(|&v| push(v));
     sink.cells("POLYGONS", faces.len(), corners, |i| ends[i], list)?;
-    if faces.iter().all(|&(_, marker)| marker == 0) {
+    if faces.iter().all(|face| face.marker == 0) {
         return Ok(());
     }
     let rows = faces.len();
     writeln!(sink.out, "CELL_DATA {rows}\nFIELD FieldData 1\nmarker 1 {rows} vtktypeint64")?;
-    sink.integers(rows, |i| i64::from(faces[i].1))
+    sink.integers(rows, |i| i64::from(faces[i].marker))
 }

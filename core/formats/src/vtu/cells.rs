@@ -2,7 +2,7 @@
 
 use super::{Piece, Reason, TETRAHEDRON, TRIANGLE};
 use crate::curved::Curved;
-use crate::faces::owned;
+use crate::faces::{Marked, owned};
 use ltbw_core::TetMesh;
 
 /// The mesh that the pieces make.
@@ -10,7 +10,7 @@ use ltbw_core::TetMesh;
 pub(crate) struct Grid {
     mesh: TetMesh,
     /// Triangles with their markers.
-    triangles: Vec<([u32; 3], i64)>,
+    triangles: Vec<Marked>,
     other_cells: bool,
     curved: Curved,
     pieces: usize,
@@ -87,14 +87,14 @@ impl Grid {
             match kind {
                 TETRAHEDRON | 24 | 71 => {
                     self.curved.tets += curved;
-                    self.mesh.tets.push(simplex((cell, kind), corners, piece.points, base)?);
+                    self.mesh.tets.push(simplex(cell, kind, corners, piece.points, base)?);
                     kept.push(cell);
                 }
                 TRIANGLE | 22 | 34 | 69 => {
                     self.curved.triangles += curved;
                     let marker = piece.markers.as_ref().map_or(0, |markers| markers[cell]);
-                    let corners = simplex((cell, kind), corners, piece.points, base)?;
-                    self.triangles.push((corners, marker));
+                    let corners = simplex(cell, kind, corners, piece.points, base)?;
+                    self.triangles.push(Marked { corners, marker });
                 }
                 // Vertices, lines, polygons, and those of higher order.
                 0..=9 | 21 | 23 | 28 | 30 | 35 | 36 | 68 | 70 => self.other_cells = true,
@@ -111,7 +111,8 @@ impl Grid {
 /// The corners of a cell of this VTK type in a piece of `points` points, shifted by `base`. In
 /// cells of higher order other points follow them.
 fn simplex<const N: usize>(
-    (cell, kind): (usize, i64),
+    cell: usize,
+    kind: i64,
     corners: &[i64],
     points: u64,
     base: u32,

@@ -7,6 +7,7 @@ use super::{TETRAHEDRON, TRIANGLE};
 use crate::text::{push_float, push_integer, push_point, write_rows};
 use crate::{Encoding, carried};
 use ltbw_core::TetMesh;
+use ltbw_domain::quality::Array;
 use std::io::Write;
 
 /// The section of cells' data, where there are regions and where not.
@@ -17,7 +18,7 @@ const CELLS: &str = "CellData";
 type Row<'a> = Box<dyn Fn(usize, &mut Vec<u8>) + Sync + 'a>;
 
 /// An array of a grid.
-struct Array<'a> {
+struct Column<'a> {
     /// The element that it stands in, with its attributes.
     section: &'static str,
     name: &'a str,
@@ -43,7 +44,7 @@ pub(crate) fn write_part(out: &mut dyn Write, mesh: &TetMesh, worker: i32) -> st
     let cells = mesh.tets.len() + mesh.faces.len();
     let mut arrays = geometry(mesh, Encoding::Binary);
     arrays.extend(data(mesh, &[], Encoding::Binary));
-    arrays.push(Array {
+    arrays.push(Column {
         section: if mesh.tet_tags.is_some() { REGIONS } else { CELLS },
         name: "worker",
         kind: "Int32",
@@ -51,42 +52,50 @@ pub(crate) fn write_part(out: &mut dyn Write, mesh: &TetMesh, worker: i32) -> st
         bytes: 4 * cells,
         row: Box::new(move |_, row| row.extend(worker.to_le_bytes())),
     });
-    write_arrays(out, (mesh.points.len(), cells), &arrays, (Encoding::Binary, None))
+    let sizes = Sizes { points: mesh.points.len(), cells };
+    write_arrays(out, sizes, &arrays, Encoding::Binary, None)
 }
 
-/// Writes a `.vtu` file as [`write()`] does, with arrays of figures: names, each with a value for
-/// every tetrahedron.
+/// Writes a `.vtu` file as [`write()`] does, with figures of the tetrahedra.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_with(
     out: &mut dyn Write,
     mesh: &TetMesh,
-    values: &[(&'static str, Vec<f64>)],
+    values: &[Array],
     encoding: Encoding,
 ) -> std::io::Result<()> {
-    write_hashed(out, mesh, (values, None), encoding)
+    write_hashed(out, mesh, values, None, encoding)
 }
 
 /// Writes arrays and the hash of the mesh, in a comment.
 pub(crate) fn write_hashed(
     out: &mut dyn Write,
     mesh: &TetMesh,
-    (values, hash): (&[(&'static str, Vec<f64>)], Option<&str>),
+    values: &[Array],
+    hash: Option<&str>,
     encoding: Encoding,
 ) -> std::io::Result<()> {
     let mut arrays = geometry(mesh, encoding);
     arrays.extend(data(mesh, values, encoding));
-    let sizes = (mesh.points.len(), mesh.tets.len() + mesh.faces.len());
-    write_arrays(out, sizes, &arrays, (encoding, hash))
+    let sizes = Sizes { points: mesh.points.len(), cells: mesh.tets.len() + mesh.faces.len() };
+    write_arrays(out, sizes, &arrays, encoding, hash)
+}
+
+/// The size of a grid.
+struct Sizes {
+    points: usize,
+    cells: usize,
 }
 
 /// Writes a grid of one piece.
 fn write_arrays(
     out: &mut dyn Write,
-    (points, cells): (usize, usize),
-    arrays: &[Array<'_>],
-    (encoding, hash): (Encoding, Option<&str>),
+    Sizes { points, cells }: Sizes,
+    arrays: &[Column<'_>],
+    encoding: Encoding,
+    hash: Option<&str>,
 ) -> std::io::Result<()> {
     let comment = hash.map(|hash| format!("<!-- {} -->\n", carried::line(hash)));
     let header = match encoding {
@@ -103,7 +112,7 @@ fn write_arrays(
     )?;
     let mut offset = 0;
     for (k, array) in arrays.iter().enumerate() {
-        let Array { section, name, kind, rows, bytes, row } = array;
+        let Column { section, name, kind, rows, bytes, row } = array;
         // Several arrays may stand in one section.
         if k == 0 || arrays[k - 1].section != *section {
             writeln!(out, "<{section}>")?;
@@ -127,7 +136,7 @@ fn write_arrays(
     out.write_all(b"</Piece>\n</UnstructuredGrid>\n")?;
     if encoding == Encoding::Binary {
         out.write_all(b"<AppendedData encoding=\"raw\">\n_")?;
-        for Array { rows, bytes, row, .. } in arrays {
+        for Column { rows, bytes, row, .. } in arrays {
             out.write_all(&(*bytes as u64).to_le_bytes())?;
             write_rows(out, *rows, row)?;
         }
@@ -137,7 +146,7 @@ fn write_arrays(
 }
 
 /// The arrays of points and cells: the points first.
-fn geometry(mesh: &TetMesh, encoding: Encoding) -> Vec<Array<'_>> {
+fn geometry(mesh: &TetMesh, encoding: Encoding) -> Vec<Column<'_>> {
     let (points, tets, faces) = (&mesh.points, &mesh.tets, &mesh.faces);
     let (cells, corner_count) = (tets.len() + faces.len(), 4 * tets.len() + 3 * faces.len());
     let ascii = encoding == Encoding::Ascii;
@@ -188,7 +197,7 @@ fn geometry(mesh: &TetMesh, encoding: Encoding) -> Vec<Array<'_>> {
         index(4 * (i + 1 - more) + 3 * more, row);
     });
     let array =
-        |section, name, kind, rows, bytes, row| Array { section, name, kind, rows, bytes, row };
+        |section, name, kind, rows, bytes, row| Column { section, name, kind, rows, bytes, row };
     vec![
         array("Points", "Points", "Float64", points.len(), 24 * points.len(), coordinates),
         array("Cells", "connectivity", int, cells, width * corner_count, corners),
@@ -198,11 +207,7 @@ fn geometry(mesh: &TetMesh, encoding: Encoding) -> Vec<Array<'_>> {
 }
 
 /// The arrays of tags, markers and figures.
-fn data<'a>(
-    mesh: &'a TetMesh,
-    values: &'a [(&'static str, Vec<f64>)],
-    encoding: Encoding,
-) -> Vec<Array<'a>> {
+fn data<'a>(mesh: &'a TetMesh, values: &'a [Array], encoding: Encoding) -> Vec<Column<'a>> {
     let (tets, faces) = (mesh.tets.len(), &mesh.faces);
     let ascii = encoding == Encoding::Ascii;
     let integers =
@@ -215,7 +220,7 @@ fn data<'a>(
                     row.extend(value(i).to_le_bytes());
                 }
             });
-            Array { section, name, kind: "Int64", rows, bytes: 8 * rows, row }
+            Column { section, name, kind: "Int64", rows, bytes: 8 * rows, row }
         };
     let cells = tets + faces.len();
     // The tetrahedron that a cell is or belongs to.
@@ -237,7 +242,7 @@ fn data<'a>(
         arrays.push(integers(section, "marker", cells, Box::new(marker)));
     }
     let attributes = mesh.tet_attributes.iter().map(|values| ("attribute", values));
-    for (name, values) in attributes.chain(values.iter().map(|(name, values)| (*name, values))) {
+    for (name, values) in attributes.chain(values.iter().map(|array| (array.name, &array.values))) {
         let row: Row<'a> = Box::new(move |i, row| {
             let value = values[owner(i)];
             if ascii {
@@ -248,7 +253,7 @@ fn data<'a>(
             }
         });
         let (kind, bytes) = ("Float64", 8 * cells);
-        arrays.push(Array { section, name, kind, rows: cells, bytes, row });
+        arrays.push(Column { section, name, kind, rows: cells, bytes, row });
     }
     arrays
 }

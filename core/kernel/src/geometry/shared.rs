@@ -52,8 +52,8 @@ impl Conflict for SharedConflict<'_> {
     #[inline(never)]
     fn by_points(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
         let p = self.p;
-        let known = self.predicates().filter(topology, tets, unknown, &p);
-        decide_rest(self, topology, tets, known)
+        let (conflicts, open) = self.predicates().filter(topology, tets, unknown, &p);
+        decide_rest(self, topology, tets, conflicts, open)
     }
 
     #[cold]

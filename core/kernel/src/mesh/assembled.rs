@@ -1,6 +1,6 @@
 //! A mesh of tetrahedra that were made elsewhere.
 
-use super::{Mesh, Vertex};
+use super::{Duplicate, Mesh, Vertex};
 use crate::PredicateStats;
 use crate::arena::Arena;
 use crate::cavity::Cavity;
@@ -24,6 +24,12 @@ pub struct Assembly<'a> {
     pub predicates: PredicateStats,
 }
 
+/// A point whose place was a vertex's already.
+struct Met {
+    number: Vertex,
+    at: VertexId,
+}
+
 impl Mesh {
     /// The mesh of assembled submeshes. Vertices that are not `used` by a tetrahedron are left out.
     pub(crate) fn assembled(
@@ -36,7 +42,7 @@ impl Mesh {
         let count = points.len();
         points.insert(0, [f64::NAN; 3]);
         numbers.insert(0, Vertex::MAX);
-        let mut pairs: Vec<(Vertex, VertexId)> = Vec::new();
+        let mut met: Vec<Met> = Vec::new();
         if used[1..].iter().all(|&used| used) {
             // So there is no duplicate, either.
             geometry.set_points(Arena::of(points));
@@ -51,10 +57,11 @@ impl Mesh {
             }
             topology.rename(|v| if v == INFINITE { v } else { names[v.index()] });
             geometry.set_points(arena);
-            let named = |&(duplicate, v): &(VertexId, VertexId)| {
-                (numbers[duplicate.index()], names[v.index()])
+            let named = |&(duplicate, v): &(VertexId, VertexId)| Met {
+                number: numbers[duplicate.index()],
+                at: names[v.index()],
             };
-            pairs.extend(duplicates.iter().map(named));
+            met.extend(duplicates.iter().map(named));
             numbers = kept;
         }
         let vertices = numbers.len();
@@ -70,18 +77,18 @@ impl Mesh {
             numbering: OnceLock::new(),
         };
         mesh.hint = mesh.topology.iter().next().map(|(t, _)| t).unwrap_or_default();
-        mesh.note_duplicates(pairs);
+        mesh.note_duplicates(met);
         mesh
     }
 
-    /// The smallest number of equal points is the vertex, whichever was inserted first. `pairs`:
-    /// duplicates, each with the vertex at its place.
-    fn note_duplicates(&mut self, mut pairs: Vec<(Vertex, VertexId)>) {
-        for (duplicate, v) in &mut pairs {
-            let kept = &mut self.numbers[v.index()];
-            (*duplicate, *kept) = ((*duplicate).max(*kept), (*duplicate).min(*kept));
+    /// The smallest number of equal points is the vertex, whichever was inserted first.
+    fn note_duplicates(&mut self, mut met: Vec<Met>) {
+        for Met { number, at } in &mut met {
+            let kept = &mut self.numbers[at.index()];
+            (*number, *kept) = ((*number).max(*kept), (*number).min(*kept));
         }
-        self.duplicates = pairs.into_iter().map(|(d, v)| (d, self.numbers[v.index()])).collect();
+        let kept = |Met { number, at }| Duplicate { number, kept: self.numbers[at.index()] };
+        self.duplicates = met.into_iter().map(kept).collect();
         self.duplicates.sort_unstable();
     }
 }

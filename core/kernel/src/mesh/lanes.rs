@@ -38,6 +38,17 @@ pub struct Chosen<'a> {
     pub is_fixed: bool,
 }
 
+/// Points to be inserted together.
+#[derive(Debug)]
+pub struct Batch<'b, C> {
+    /// Public number of the first one; the others follow it.
+    pub number: u32,
+    /// The number of points.
+    pub count: usize,
+    /// Tells the k-th one.
+    pub chosen: &'b C,
+}
+
 /// The work that the owner of a mesh does in each lane.
 pub trait Follow: Sync {
     /// The memory of one lane.
@@ -128,7 +139,8 @@ impl Lane<'_> {
     #[inline(always)]
     fn insert<F: Follow>(
         &mut self,
-        (k, v): (usize, VertexId),
+        k: usize,
+        v: VertexId,
         chosen: &Chosen<'_>,
         follow: &F,
         kept: &mut F::Own,
@@ -215,11 +227,10 @@ impl Mesh {
         Ok(slots)
     }
 
-    /// Inserts `count` points, of which `chosen` tells the k-th, with public numbers from `number`
-    /// on, in as many lanes as there are entries of `kept`; each lane has a contiguous share of
-    /// them. Room was made before ([`Mesh::make_room_for`]). All get vertices, from the returned
-    /// one on; those in the list that is returned, too, in their order, are in no tetrahedron yet,
-    /// and have to be filled in by [`OpenCavity::fill_vertex`].
+    /// Inserts a batch of points in as many lanes as there are entries of `kept`; each lane has a
+    /// contiguous share of them. Room was made before ([`Mesh::make_room_for`]). All get vertices,
+    /// from the returned one on; those in the list that is returned, too, in their order, are in no
+    /// tetrahedron yet, and have to be filled in by [`OpenCavity::fill_vertex`].
     ///
     /// # Panics
     /// If `follow` does. The mesh has vertices without tetrahedra then, and is to be dropped.
@@ -227,11 +238,11 @@ impl Mesh {
     pub fn fill_in_lanes<'c, F: Follow>(
         &mut self,
         lanes: &mut Lanes,
-        number: u32,
-        (count, chosen): (usize, &(impl Fn(usize) -> Chosen<'c> + Sync)),
+        batch: Batch<'_, impl Fn(usize) -> Chosen<'c> + Sync>,
         follow: &F,
         kept: &mut [F::Own],
     ) -> (VertexId, Vec<usize>) {
+        let Batch { number, count, chosen } = batch;
         let first = self.numbers.len();
         let vertex = |k: usize| VertexId::at(first + k);
         for k in 0..count {
@@ -274,7 +285,7 @@ impl Mesh {
                 let later = |n: usize| Some(k + n).filter(|&k| k < all.end).map(chosen);
                 later(2).into_iter().for_each(|next| own.fetch(&next, follow));
                 later(1).into_iter().for_each(|next| own.fetch_around(&next, follow));
-                if !own.insert((k, vertex(k)), &chosen(k), follow, kept) {
+                if !own.insert(k, vertex(k), &chosen(k), follow, kept) {
                     own.memory.put_off.push(k);
                 }
             }
@@ -303,7 +314,7 @@ impl OpenCavity<'_, Mesh> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Chosen, Follow, Lanes, View};
+    use super::{Batch, Chosen, Follow, Lanes, View};
     use crate::cavity::AdmitAll;
     use crate::invariants::check_all;
     use crate::mesh::{Mesh, Vertex};
@@ -364,8 +375,8 @@ mod tests {
         let (follow, mut kept) = (Written::default(), vec![[0; 2]; many]);
         let number = mesh.num_vertices() as Vertex;
         mesh.make_room_for(points.len(), many).expect("memory");
-        let (first, put_off) =
-            mesh.fill_in_lanes(lanes, number, (points.len(), &chosen), &follow, &mut kept);
+        let batch = Batch { number, count: points.len(), chosen: &chosen };
+        let (first, put_off) = mesh.fill_in_lanes(lanes, batch, &follow, &mut kept);
         let filled = kept.iter().map(|own| own[1]).sum::<usize>();
         assert_eq!(filled + put_off.len(), points.len());
         for &k in &put_off {
@@ -424,8 +435,8 @@ mod tests {
             let chosen = |k: usize| Chosen { p: rest[all[k]], cavity: &found[all[k]], is_fixed };
             mesh.make_room_for(2, 1).expect("memory");
             let (mut lanes, follow) = (Lanes::default(), Written::default());
-            let (first, put_off) =
-                mesh.fill_in_lanes(&mut lanes, 300, (2, &chosen), &follow, &mut [[0; 2]]);
+            let batch = Batch { number: 300, count: 2, chosen: &chosen };
+            let (first, put_off) = mesh.fill_in_lanes(&mut lanes, batch, &follow, &mut [[0; 2]]);
             assert_eq!(put_off, expected);
             for k in put_off {
                 let from = mesh.hint();
@@ -445,8 +456,8 @@ mod tests {
         let chosen = |k: usize| Chosen { p: points[300 + k], cavity: &found[k], is_fixed: false };
         // No room is made.
         let (mut lanes, follow) = (Lanes::default(), Written::default());
-        let (first, put_off) =
-            mesh.fill_in_lanes(&mut lanes, 300, (300, &chosen), &follow, &mut [[0; 2]; 2]);
+        let batch = Batch { number: 300, count: 300, chosen: &chosen };
+        let (first, put_off) = mesh.fill_in_lanes(&mut lanes, batch, &follow, &mut [[0; 2]; 2]);
         assert!(put_off.len() > 200, "{}", put_off.len());
         for k in put_off {
             let from = mesh.hint();
@@ -473,15 +484,16 @@ mod tests {
         let mut follow = Written::default();
         let slots: Vec<TetId> = TetId::below(large.topology().slots() as u32).rev().collect();
         let chosen = |k: usize| Chosen { p: points[2200 + k], cavity: &slots, is_fixed: false };
-        let (_, put_off) =
-            small.fill_in_lanes(&mut lanes, 200, (9, &chosen), &follow, &mut [[0; 2]; 3]);
+        let batch = Batch { number: 200, count: 9, chosen: &chosen };
+        let (_, put_off) = small.fill_in_lanes(&mut lanes, batch, &follow, &mut [[0; 2]; 3]);
         assert_eq!(put_off.len(), 9);
         let (mut small, found) = (built(200), cavity_of(&mut built(200), &points[2300]));
         let twice: Vec<TetId> = found.iter().chain(&found).copied().collect();
         for cavity in [&twice, &found] {
             let chosen = |_: usize| Chosen { p: points[2300], cavity, is_fixed: false };
             small.make_room_for(1, 4).expect("memory");
-            _ = small.fill_in_lanes(&mut lanes, 300, (1, &chosen), &follow, &mut [[0; 2]; 4]);
+            let batch = Batch { number: 300, count: 1, chosen: &chosen };
+            _ = small.fill_in_lanes(&mut lanes, batch, &follow, &mut [[0; 2]; 4]);
             follow = Written::default();
         }
     }

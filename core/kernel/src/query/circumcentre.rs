@@ -15,7 +15,7 @@ use super::Queries;
 use crate::topology::TetId;
 use ltbw_exact::Point;
 use ltbw_exact::predicates::filter::{self, GUARD_HIGH, GUARD_LOW, UNIT_ROUNDOFF, power_of_two};
-use ltbw_exact::predicates::long::parts;
+use ltbw_exact::predicates::long::{Parts, parts};
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
 
@@ -112,13 +112,13 @@ fn quick([a, b, c, d]: &[Point; 4]) -> Option<Circumcentre> {
 #[cold]
 fn by_integers(corners: &[Point; 4]) -> Circumcentre {
     let nonzero = corners.iter().flatten().filter(|&&c| c != 0.0);
-    let unit = nonzero.map(|&c| parts(c).1).min().unwrap_or(0);
+    let unit = nonzero.map(|&c| parts(c).exponent).min().unwrap_or(0);
     let integers = corners.map(|p| {
         p.map(|c| {
-            let (mantissa, exponent, negative) = parts(c);
+            let Parts { mantissa, exponent, is_negative } = parts(c);
             // Zero has the least exponent of all, and no unit.
             let magnitude = BigInt::from(mantissa) << (exponent - unit).max(0);
-            if negative { -magnitude } else { magnitude }
+            if is_negative { -magnitude } else { magnitude }
         })
     });
     let [a, b, c, d] = integers;

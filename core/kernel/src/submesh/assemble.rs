@@ -46,6 +46,24 @@ impl Numbers {
     }
 }
 
+/// A submesh, and the numbers of its vertices in the whole mesh.
+#[derive(Debug)]
+pub struct Numbered<H, T, F> {
+    /// The submesh.
+    pub submesh: Submesh<H, T, F>,
+    /// The numbers of its vertices.
+    pub numbers: Numbers,
+}
+
+/// A face of one of several submeshes.
+#[derive(Clone, Copy, Debug)]
+pub struct Beyond {
+    /// Index of the submesh.
+    pub submesh: usize,
+    /// The face there.
+    pub face: FaceId,
+}
+
 /// Why submeshes could not be put together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssembleError<F> {
@@ -72,11 +90,11 @@ pub enum AssembleError<F> {
 ///
 /// Cost: O(tetrahedra), less those of the first.
 pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
-    submeshes: Vec<(Submesh<H, T, F>, Numbers)>,
-    find: impl Fn(F) -> Option<(usize, FaceId)>,
+    submeshes: Vec<Numbered<H, T, F>>,
+    find: impl Fn(F) -> Option<Beyond>,
     assembly: Assembly<'_>,
 ) -> Result<Mesh, AssembleError<F>> {
-    let settled = |(mesh, numbers): (Submesh<H, T, F>, Numbers)| (mesh.settle(), numbers);
+    let settled = |Numbered { submesh, numbers }: Numbered<H, T, F>| (submesh.settle(), numbers);
     let mut submeshes = submeshes.into_iter().map(settled);
     let first = submeshes.next().ok_or(AssembleError::NoSubmeshes)?;
     let ((mut topology, mut geometry, far), numbers) = first;
@@ -103,8 +121,8 @@ pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
         let face = tet.neighbours()[0];
         let at = offsets.partition_point(|&offset| offset <= t.index()) - 1;
         let Some(far) = tables[at].get(geometry.sphere(t)) else { continue };
-        let beyond = find(far).and_then(|(place, face)| {
-            let t = offsets.get(place)? + tet_of(face).index();
+        let beyond = find(far).and_then(|Beyond { submesh, face }| {
+            let t = offsets.get(submesh)? + tet_of(face).index();
             (t <= MAX_TETS).then(|| FaceId::new(TetId::at(t), slot_of(face)))
         });
         match beyond.filter(|&beyond| topology.get(tet_of(beyond)).is_some()) {

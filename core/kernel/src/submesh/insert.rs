@@ -10,6 +10,17 @@ use crate::transaction::{OpenCavity, Opens};
 use ltbw_exact::Point;
 use std::collections::BTreeSet;
 
+/// The outcome of an earlier search for a point's cavity.
+#[derive(Debug)]
+pub struct Earlier<'e, C> {
+    /// A tetrahedron in conflict with the point.
+    pub seed: TetId,
+    /// The tetrahedra that [`Submesh::search`] has found; it may be none.
+    pub found: &'e [TetId],
+    /// Says of a slot whether a tetrahedron was written to it since then.
+    pub changed: &'e C,
+}
+
 impl<H: Copy + Eq, T: Copy, F: Copy> Opens for Submesh<H, T, F> {
     #[inline(always)]
     fn cavity(&self) -> &Cavity {
@@ -69,21 +80,21 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         Insert::Done
     }
 
-    /// Inserts a point of which `found` is what [`Submesh::search`] has found earlier (it may be
-    /// nothing); `changed` says of a slot whether a tetrahedron was written to it since
-    /// then. `false` if it is not inserted so, though it may be from its seed on: where much has
-    /// changed, at ghosts, and where something may be in the way. The submesh is as before then.
+    /// Inserts a point that [`Submesh::search`] was asked for earlier. `false` if it is not inserted
+    /// so, though it may be from its seed on: where much has changed, at ghosts, and where
+    /// something may be in the way. The submesh is as before then.
     ///
     /// # Panics
-    /// If `found` names what is no slot, or `v` is no finite vertex.
+    /// If [`Earlier::found`] names what is no slot, or `v` is no finite vertex.
     pub fn insert_again(
         &mut self,
         v: VertexId,
         p: &Point,
-        (seed, found, changed): (TetId, &[TetId], &impl Fn(TetId) -> bool),
+        earlier: &Earlier<'_, impl Fn(TetId) -> bool>,
         owns: Owns<impl Fn([VertexId; 4]) -> bool>,
         see: impl FnOnce(&Topology, &Cavity),
     ) -> bool {
+        let &Earlier { seed, found, changed } = earlier;
         found.iter().for_each(|&t| self.expect_slot(t));
         assert!(self.is_vertex(v), "there is no finite vertex {v}");
         let stats = self.geometry.stats;
@@ -131,7 +142,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         let Self { topology, geometry, locks, .. } = self;
         let (inner, met) = (geometry.conflict_of(p), Met::default());
         let mut conflict = SubmeshConflict { inner, locks, met, holder: None };
-        let tests = search.find_by(topology, (&mut conflict, seed), |_| false);
+        let tests = search.find_by(topology, &mut conflict, seed, |_| false);
         let Met { blocked, locked, .. } = conflict.met;
         geometry.stats.insphere_calls += tests.unwrap_or(0);
         locked.is_none() && !blocked

@@ -4,19 +4,26 @@ use super::Submesh;
 use crate::cavity::{SMALL, SMALL_BOUNDARY, Star};
 use crate::topology::{FaceId, TetId, VertexId, slot_of, tet_of};
 
+/// A tetrahedron of a star that is to be made.
+#[derive(Clone, Copy, Debug)]
+pub struct StarTet {
+    /// Indices of the corners beside the star's first one, so that it is positively oriented.
+    pub border: [u32; 3],
+    /// The faces beyond its own that are of the star, too, whose tetrahedra are counted from 0.
+    pub links: [Option<FaceId>; 4],
+}
+
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
-    /// Makes the tetrahedra of `corners[0]` with three other corners each, given by their indices,
-    /// positively oriented, and with the faces beyond theirs that are of the star, too: its
-    /// tetrahedra are counted from 0. The other faces are still to be linked. The handles are put
-    /// in `tets`, in the same order; their spheres are cached, unless there are more than 64 other
-    /// corners. `None` at the limit of tetrahedra.
+    /// Makes the tetrahedra of a star about `corners[0]`. The faces that it does not name are still
+    /// to be linked. The handles are put in `tets`, in the star's order; their spheres are cached,
+    /// unless there are more than 64 other corners. `None` at the limit of tetrahedra.
     ///
     /// # Panics
     /// If a corner is no vertex, an index is none of a corner, or a face is none of the star.
     pub fn create_star(
         &mut self,
         corners: &[VertexId],
-        star: impl ExactSizeIterator<Item = ([u32; 3], [Option<FaceId>; 4])>,
+        star: impl ExactSizeIterator<Item = StarTet>,
         tets: &mut Vec<TetId>,
     ) -> Option<()> {
         self.blocked = None;
@@ -29,7 +36,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         let mut faces = [[0; 4]; SMALL_BOUNDARY];
         // All slots first: a face may lead to a tetrahedron that comes later.
         tets.extend((0..star.len()).map(|_| self.topology.take()));
-        for (k, (border, links)) in star.enumerate() {
+        for (k, StarTet { border, links }) in star.enumerate() {
             let [a, b, c] = border.map(|corner| corners[corner as usize]);
             // A face that is not linked yet leads to slot 0, which there is (I7).
             let beyond = |face| FaceId::new(tets[tet_of(face).index()], slot_of(face));

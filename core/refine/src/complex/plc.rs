@@ -11,7 +11,7 @@ use crate::RefineError;
 use crate::heed::Heed;
 use crate::table::{Map, Set, edge};
 use ltbw_core::build::Builder;
-use ltbw_core::mesh::Mesh;
+use ltbw_core::mesh::{Duplicate, Mesh};
 use ltbw_core::topology::{INFINITE, VertexId};
 use ltbw_domain::{Domain, Element, Lattice};
 use ltbw_exact::{Point, PointSet};
@@ -100,7 +100,7 @@ impl Plc {
         let builder = heed.0.map_or(Builder::new(), |token| Builder::new().cancel(token));
         let mut mesh = builder.build(&PointSet::new(points)?)?.mesh;
         heed.ask()?;
-        if let Some(&(second, first)) = mesh.duplicates().first() {
+        if let Some(&Duplicate { number: second, kept: first }) = mesh.duplicates().first() {
             return Err(RefineError::DuplicateVertex { first, second });
         }
         mesh.scaled_by(ltbw_domain::lattice::PARAMETER_BITS - lattice.exponent());

@@ -44,7 +44,7 @@ impl Prober {
         if corners.any(|v| state.at(v) == place.p) {
             return Err(Unseen::Vertex);
         }
-        if bars(place.from) || !search.find(&state.mesh, (&place.p, place.from), bars) {
+        if bars(place.from) || !search.find(&state.mesh, &place.p, place.from, bars) {
             return Err(Unseen::Barred);
         }
         let closure = InMesh::found(state, search);

@@ -13,7 +13,7 @@ use crate::mesh::key::key_of_tet;
 use crate::mesh::marks::{Marks, Word};
 use crate::thin::Thin;
 use ltbw_core::BuildError;
-use ltbw_core::mesh::lanes::{Chosen, Follow, Lanes, View};
+use ltbw_core::mesh::lanes::{Batch, Chosen, Follow, Lanes, View};
 use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, tet_of};
 
 /// The fewest points for a lane.
@@ -227,9 +227,8 @@ impl Rounds<'_, '_> {
         let follow = Update { candidates, stage, marks, reserved, keys, bounds };
         let Memory { lanes, kept } = lanes;
         kept.resize_with(kept.len().max(many), Kept::default);
-        let all = (count, &chosen);
-        let (first, put_off) =
-            state.mesh.fill_in_lanes(lanes, inserted.next_number, all, &follow, &mut kept[..many]);
+        let batch = Batch { number: inserted.next_number, count, chosen: &chosen };
+        let (first, put_off) = state.mesh.fill_in_lanes(lanes, batch, &follow, &mut kept[..many]);
         for &k in stage {
             let carrier = candidates[k].place.carrier;
             state.carriers.push(carrier);

@@ -3,7 +3,7 @@
 
 use super::carriers::Carriers;
 use super::values::DomainPoint;
-use crate::mesh::{LocalMesh, VertexName};
+use crate::mesh::{Again, LocalMesh, VertexName};
 use crate::protocol::{Directory, Insert, Submesh};
 use crate::refining::flags::Flags;
 use ltbw_core::topology::{INFINITE, TetId, slot_of, tet_of};
@@ -73,21 +73,20 @@ pub(super) fn insert_chosen(
     let changed = |t: TetId| slots.written.has(t.index());
     let known = slots.found.borrow();
     let is_known = known.0 == point.name() && !known.1.is_empty();
-    let again = is_known.then_some((&known.1[..], &changed));
+    let again = is_known.then_some(Again { found: &known.1[..], changed: &changed });
     let mut whole = None;
-    let insert =
-        inner.insert_seeing(&point.vertex, (seed, again), directory, |topology, cavity| {
-            let first = own(seed);
-            if cavity.tets().all(|t| own(t) == first) {
-                whole = Some(first);
-                return;
-            }
-            // Each new tetrahedron is in the region of the one that was behind its outer face.
-            let inside = cavity
-                .boundary()
-                .map(|(_, outer)| tet_of(topology.at(tet_of(outer)).neighbours()[slot_of(outer)]));
-            star.extend(inside.map(own));
-        });
+    let insert = inner.insert_seeing(&point.vertex, seed, again, directory, |topology, cavity| {
+        let first = own(seed);
+        if cavity.tets().all(|t| own(t) == first) {
+            whole = Some(first);
+            return;
+        }
+        // Each new tetrahedron is in the region of the one that was behind its outer face.
+        let inside = cavity
+            .boundary()
+            .map(|(_, outer)| tet_of(topology.at(tet_of(outer)).neighbours()[slot_of(outer)]));
+        star.extend(inside.map(own));
+    });
     drop(known);
     if insert == Insert::Done {
         for (k, &t) in inner.made_at_once().iter().enumerate() {

@@ -36,7 +36,7 @@ pub use mesh::DomainMesh;
 pub use values::{DomainCargo, DomainPatch, DomainPiece, DomainPoint};
 
 use super::RefineError;
-use crate::mesh::{Blocks, Layout, Prepared, SharedInput, VertexName, given};
+use crate::mesh::{Blocks, Cut, Layout, Prepared, SharedInput, VertexName, given};
 use crate::protocol::{BlockId, Config, Rules, Source, Worker, WorkerId};
 use ltbw_core::order::{Curve, bounding_box};
 use ltbw_exact::{Mode, Point, PointSet};
@@ -89,7 +89,8 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
     // One worker has all of the work.
     let weights = (layout.workers > 1)
         .then(|| start.weights(&complex, PLACES.saturating_mul(layout.workers as usize)));
-    let cut = weights.as_ref().map(|weights| (curve_for(start, weights, layout), &weights[..]));
+    let cut =
+        weights.as_ref().map(|weights| Cut { curve: curve_for(start, weights, layout), weights });
     let Prepared { workers, mut common, .. } = layout.prepare_all(&set, cut)?;
     common.mode = start.mode;
     let config = Config { workers: layout.workers, ..config };

@@ -9,7 +9,7 @@ fn main() -> ExitCode {
         eprintln!("vectors: name the folder to write to");
         return ExitCode::from(2);
     };
-    for (path, text) in ltbw_kit::files() {
+    for ltbw_kit::Generated { path, text } in ltbw_kit::files() {
         let full = Path::new(&folder).join(&path);
         if std::fs::read_to_string(&full).is_ok_and(|old| old == text) {
             continue;
