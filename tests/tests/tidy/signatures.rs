@@ -1,0 +1,147 @@
+//! Signatures of shipped functions: the number of their parameters, and tuples among these.
+
+use super::arrows::CRATES;
+use super::source::{Token, Tree, shipped, split, tokens};
+
+/// The most parameters of a function, `self` not counted.
+const PARAMETERS: usize = 5;
+
+/// The signature of a function with a name.
+struct Signature<'t> {
+    name: &'t str,
+    line: usize,
+    /// Patterns and types of its parameters, without `self`.
+    parameters: Vec<&'t [Token]>,
+}
+
+/// Functions with more parameters than allowed: `file: name`.
+pub(crate) fn many_parameters(tree: &Tree) -> Vec<String> {
+    let is_one = |function: &Signature<'_>| function.parameters.len() > PARAMETERS;
+    found(tree, |file, function| is_one(function).then(|| format!("{file}: {}", function.name)))
+}
+
+/// Functions with a tuple in a parameter, whose members want names: `file:line: name`. The function
+/// `from` of a conversion has the tuple to whose members it gives names.
+pub(crate) fn tuples(tree: &Tree) -> Vec<String> {
+    let is_one = |function: &Signature<'_>| {
+        function.name != "from" && function.parameters.iter().any(|tokens| has_tuple(tokens))
+    };
+    found(tree, |file, function| {
+        is_one(function).then(|| format!("{file}:{}: {}", function.line, function.name))
+    })
+}
+
+fn found(tree: &Tree, told: impl Fn(&str, &Signature<'_>) -> Option<String>) -> Vec<String> {
+    let of_file = |(file, text): (&str, &str)| {
+        let tokens = shipped(&tokens(&split(text).0));
+        let starts = (0..tokens.len()).filter(|&k| tokens[k].text == "fn");
+        let functions = starts.filter_map(|k| signature(&tokens, k));
+        functions.filter_map(|function| told(file, &function)).collect::<Vec<_>>()
+    };
+    CRATES.iter().flat_map(|krate| tree.shipped(krate.folder)).flat_map(of_file).collect()
+}
+
+/// The signature of the function whose `fn` is at `k`; `None` if it is a type, as `fn(u8)` is.
+fn signature(tokens: &[Token], k: usize) -> Option<Signature<'_>> {
+    let name = tokens.get(k + 1)?;
+    let open = match tokens.get(k + 2)?.text.as_str() {
+        "<" => closing(tokens, k + 2) + 1,
+        _ => k + 2,
+    };
+    if name.text == "(" || tokens.get(open)?.text != "(" {
+        return None;
+    }
+    let is_self = |part: &[Token]| {
+        let pattern = part.iter().take_while(|token| token.text != ":");
+        pattern.last().is_some_and(|token| token.text == "self")
+    };
+    let mut parameters = parted(&tokens[open + 1..closing(tokens, open)]);
+    parameters.retain(|part| !is_self(part));
+    Some(Signature { name: &name.text, line: name.line, parameters })
+}
+
+/// Is there a tuple of two or more? Neither the parameters of a closure are one, nor the members of
+/// a struct, which follow its name.
+fn has_tuple(tokens: &[Token]) -> bool {
+    let is_name = |text: &str| text == "fn" || text.starts_with(char::is_uppercase);
+    (0..tokens.len()).any(|k| {
+        tokens[k].text == "("
+            && !(k > 0 && is_name(&tokens[k - 1].text))
+            && parted(&tokens[k + 1..closing(tokens, k)]).len() > 1
+    })
+}
+
+/// The parts between commas outside brackets; behind a comma at the end there is none.
+fn parted(tokens: &[Token]) -> Vec<&[Token]> {
+    let (mut parts, mut start, mut depth) = (Vec::new(), 0, 0);
+    for k in 0..tokens.len() {
+        depth += step(tokens, k);
+        if depth == 0 && tokens[k].text == "," {
+            parts.push(&tokens[start..k]);
+            start = k + 1;
+        }
+    }
+    parts.extend((start < tokens.len()).then(|| &tokens[start..]));
+    parts
+}
+
+/// The place of the bracket that closes the one at `k`; that of the last token if none does.
+fn closing(tokens: &[Token], k: usize) -> usize {
+    let mut depth = 0;
+    let mut is_end = |place: usize| {
+        depth += step(tokens, place);
+        depth == 0
+    };
+    (k..tokens.len()).find(|&place| is_end(place)).unwrap_or(tokens.len() - 1)
+}
+
+/// The change of depth at token `k` of a signature: `<` and `>` are brackets, arrows are not.
+fn step(tokens: &[Token], k: usize) -> i32 {
+    match tokens[k].text.as_str() {
+        "(" | "[" | "{" | "<" => 1,
+        ">" if k > 0 && tokens[k - 1].text == "-" => 0,
+        ")" | "]" | "}" | ">" => -1,
+        _ => 0,
+    }
+}
+
+#[test]
+fn functions_with_many_parameters_are_found() {
+    let found = |text: &str| many_parameters(&Tree::of(&[("cli/src/lib.rs", text)]));
+    let five = "impl A { fn f<F: Fn(u8, u8) -> u8>(&mut self, a: u8, b: Map<u8, u8>, c: [u8; 2], \
+                d: &F, e: u8,) {} }";
+    assert_eq!(found(five), [""; 0]);
+    let six = five.replace("&mut self", "s: u8");
+    assert_eq!(found(&six), ["cli/src/lib.rs: f"]);
+    assert_eq!(found(&format!("#[cfg(test)] mod tests {{ {six} }}")), [""; 0]);
+    assert_eq!(found("fn g(f: fn(u8, u8, u8, u8, u8, u8) -> u8) {}"), [""; 0]);
+}
+
+#[test]
+fn tuples_in_parameters_are_found() {
+    let found = |text: &str| tuples(&Tree::of(&[("cli/src/lib.rs", text)]));
+    let of =
+        |parameters: &str| found(&format!("\ntrait A {{ fn f<T>({parameters}) -> (u8, u8); }}"));
+    for wrong in [
+        "&self, (a, b): (u8, u8)",
+        "a: &[(u8, T)]",
+        "a: &mut (u8, T)",
+        "a: u8, b: impl Iterator<Item = (u8, &'a str)>",
+        "a: impl Fn(u8) -> (u8, u8)",
+        "a: impl Fn((u8, u8)) -> u8",
+        "a: Option<(u8, Option<u8>)>",
+    ] {
+        assert_eq!(of(wrong), ["cli/src/lib.rs:2: f"], "{wrong}");
+    }
+    for fine in [
+        "",
+        "self: Box<Self>",
+        "a: (), b: (u8), c: Pair<u8, u8>",
+        "a: impl Fn(u8, u8) -> Result<u8, ()>, b: &mut dyn FnMut(u8, &T)",
+        "Pair(a, b): Pair, [c, d]: [u8; 2], e: fn(u8, u8) -> u8",
+        "a: u8, // (a, b): (u8, u8)\n",
+    ] {
+        assert_eq!(of(fine), [""; 0], "{fine}");
+    }
+    assert_eq!(found("fn from((a, b): (u8, u8)) {}"), [""; 0]);
+}
