@@ -318,6 +318,7 @@ fn every_option_of_the_simulator_is_obeyed() {
         (&["--closure", "vertex"], "closure", "vertex".into()),
         (&["--ownership", "creator"], "ownership", "creator".into()),
         (&["--ownership", "newest"], "balance", false.into()),
+        (&["--balance"], "balance", true.into()),
         (&["--machine", "cow"], "latency", 100_000.into()),
         (&["--machine", "cow", "--latency", "3us"], "latency", 3000.into()),
         (&["--machine", "cow"], "byte", 80.0.into()),
@@ -326,7 +327,6 @@ fn every_option_of_the_simulator_is_obeyed() {
         (&["--window", "5"], "window", 5.into()),
         (&["--slow", "20"], "slow", 20.0.into()),
         (&["--storm", "300us"], "storm", 300_000.into()),
-        (&["--no-balance"], "balance", false.into()),
     ];
     for (option, name, value) in options {
         let run = ltbw(dir.path(), &[&base[..], option].concat());
@@ -336,6 +336,7 @@ fn every_option_of_the_simulator_is_obeyed() {
     for wrong in [
         &["--latency", "5"][..],
         &["--ownership", "creator", "--storm", "1ms"],
+        &["--ownership", "creator", "--balance"],
         &["--poll-every", "0"],
     ] {
         let run = ltbw(dir.path(), &[&["simulate"], wrong].concat());

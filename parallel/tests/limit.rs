@@ -99,10 +99,8 @@ fn threads_end_at_the_limit_with_a_typed_error() {
 
 fn simulated(kind: PointKind, layout: Layout, seed: u64, storm: Option<RandomMigrations>) -> End {
     let Scene { set, expected, .. } = scene(kind, 300, seed);
-    let mut options = Options { seed, storm, max_events: 5_000_000, ..Options::default() };
-    if layout.ownership != Ownership::Block {
-        options.balance = None;
-    }
+    let balance = (layout.ownership == Ownership::Block).then(Balance::default);
+    let options = Options { seed, storm, balance, max_events: 5_000_000, ..Options::default() };
     match simulate_mesh(&set, &layout, Config::new(layout.workers), &options) {
         Ok(meshed) => {
             assert_eq!(meshed.gathered.mesh.hash().expect("a hash"), expected, "another mesh");

@@ -1,5 +1,6 @@
 //! The real mesh on simulated processors: always the sequential kernel's mesh.
 
+use ltbw::balance::Balance;
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Rule, WorkerId};
 use ltbw::simulate::{
@@ -10,7 +11,8 @@ use ltbw::{Builder, PointSet, invariants};
 use ltbw_generate::{PointKind, Random, generate};
 
 fn options(seed: u64) -> Options {
-    Options { seed, max_events: 50_000_000, ..Options::default() }
+    let balance = Some(Balance::default());
+    Options { seed, balance, max_events: 50_000_000, ..Options::default() }
 }
 
 /// Runs and compares with the sequential kernel.

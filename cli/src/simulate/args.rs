@@ -108,10 +108,10 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "TIME", value_parser = nanos)]
     #[arg(hide_short_help = true)]
     pub(crate) storm: Option<u64>,
-    /// Give no blocks to workers that run out of points
+    /// Give blocks to workers that run out of points
     #[arg(long)]
     #[arg(hide_short_help = true)]
-    pub(crate) no_balance: bool,
+    pub(crate) balance: bool,
     /// Write the report as JSON (ltbw.simulation/1)
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,

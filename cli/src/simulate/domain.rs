@@ -59,8 +59,9 @@ pub(super) fn hash_of(points: &[Point], tets: &[[u32; 4]]) -> Result<String, Fai
 
 /// `ltbw simulate --domain`.
 pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
-    if args.storm.is_some() {
-        return Err(Failure::Usage("--storm moves blocks, which rounds do not".to_owned()));
+    if args.storm.is_some() || args.balance {
+        let text = "--storm and --balance move blocks, which rounds do not";
+        return Err(Failure::Usage(text.to_owned()));
     }
     let ready = ready(path)?;
     let (told, vertices) = attempt(args, path, &ready, args.start.unwrap_or(START))?;

@@ -16,6 +16,7 @@ use crate::progress::Stage;
 use crate::streams::on_stdout;
 use crate::workers::Mode;
 use ltbw::PointSet;
+use ltbw::balance::Balance;
 use ltbw::build::Builder;
 use ltbw::io;
 use ltbw::mesh::{Layout, Ownership};
@@ -32,8 +33,8 @@ use std::path::{Path, PathBuf};
 /// `ltbw simulate`.
 pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     console::end_on_signal()?;
-    if args.storm.is_some() && args.ownership != Ownership::Block {
-        let text = "--storm moves blocks, which only --ownership block allows";
+    if (args.storm.is_some() || args.balance) && args.ownership != Ownership::Block {
+        let text = "--storm and --balance move blocks, which only --ownership block allows";
         return Err(Failure::Usage(text.to_owned()));
     }
     args.json.as_deref().map_or(Ok(()), file_writable)?;
@@ -201,7 +202,6 @@ fn layout(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
 fn options(args: &Simulate) -> Options {
     let default = Options::default();
     let machine = args.machine.network();
-    let moves = !args.no_balance && args.ownership == Ownership::Block;
     Options {
         seed: args.seed,
         costs: args.machine.costs(),
@@ -213,7 +213,7 @@ fn options(args: &Simulate) -> Options {
         },
         poll_every: args.poll_every,
         slow: args.slow.map(|factor| (WorkerId::default(), factor)).into_iter().collect(),
-        balance: default.balance.filter(|_| moves),
+        balance: args.balance.then(Balance::default),
         storm: args.storm.map(|every| RandomMigrations { every }),
         spans: if args.trace.is_some() || args.page.is_some() { SPANS } else { 0 },
         ..default

@@ -56,7 +56,7 @@ impl Default for Options {
             costs: CostModel::default(),
             network: Network::default(),
             slow: Vec::new(),
-            balance: Some(Balance::default()),
+            balance: None,
             storm: None,
             cancel: None,
             backoff: 50_000,

@@ -58,7 +58,8 @@ impl Problem {
 
 /// Options for a run in which nothing is excused: it ends soon or fails.
 fn options(seed: u64) -> Options {
-    Options { seed, max_events: 20_000_000, ..Options::default() }
+    let balance = Some(Balance::default());
+    Options { seed, balance, max_events: 20_000_000, ..Options::default() }
 }
 
 fn run(problem: &Problem, workers: u32, rule: Rule, options: &Options) -> Run {
