@@ -171,7 +171,7 @@ impl<M, C: Rules> Endpoint<M, C> {
         let inbox = &self.inboxes[self.me.index()];
         let mut state = inbox.lock();
         // R17
-        if !C::TESTS_BEFORE_SLEEP && state.is_silent() {
+        if !C::tests_before_sleep() && state.is_silent() {
             drop(state);
             state = inbox.sleep(inbox.lock());
         }

@@ -29,14 +29,14 @@ fn sources(folder: &Path) -> Vec<(PathBuf, String)> {
     found
 }
 
-/// The rules as the code has them: constant and number, from the doc comment.
+/// The rules as the code has them: name and number, from the doc comment.
 fn rules() -> BTreeMap<String, String> {
     let (mut rules, mut number) = (BTreeMap::new(), None);
     for line in read("parallel/src/protocol/rules.rs").lines().map(str::trim) {
         if let Some((first, _)) = line.strip_prefix("/// R").and_then(|rest| rest.split_once(':')) {
             number = Some(format!("R{first}"));
         }
-        if let Some((name, _)) = line.strip_prefix("const ").and_then(|rest| rest.split_once(':')) {
+        if let Some((name, _)) = line.strip_prefix("fn ").and_then(|rest| rest.split_once('(')) {
             let number = number.take().unwrap_or_else(|| panic!("{name} has no number"));
             assert_eq!(rules.insert(name.to_owned(), number), None);
         }
@@ -66,7 +66,7 @@ fn every_rule_has_its_number_on_the_page_and_on_one_variant() {
         .collect();
     assert_eq!(page, rules, "docs/protocol.md");
 
-    // `R5 KEEPS_PLACE: LostPlace, "...";`
+    // `R5 keeps_place: LostPlace, "...";`
     let variants = read("verify/models/src/variants.rs");
     let variants: Vec<(&str, &str)> = variants
         .lines()
@@ -113,7 +113,7 @@ fn the_code_that_obeys_a_rule_says_its_number() {
         }
     }
     let all: BTreeSet<String> = rules.into_keys().collect();
-    let by_submesh = BTreeSet::from(["FRESH_NAMES".to_owned()]);
+    let by_submesh = BTreeSet::from(["fresh_names".to_owned()]);
     assert_eq!(&obeyed | &by_submesh, all, "rules that no code asks for");
 }
 

@@ -439,7 +439,7 @@ impl Submesh for LocalMesh {
         strays: &mut Vec<BlockId>,
     ) {
         // R12
-        self.apply_patch(patch, directory, C::RELINKS_INTERFACE, made, strays);
+        self.apply_patch(patch, directory, C::relinks_interface(), made, strays);
     }
 
     fn is_block_locked(&self, block: BlockId) -> bool {
@@ -460,7 +460,7 @@ impl Submesh for LocalMesh {
         moved: &mut dyn FnMut(TetId, Handle),
     ) -> Vec<Moving> {
         // R16
-        self.extract_block(block, C::LEAVES_BLOCKS, moved, |_| {})
+        self.extract_block(block, C::leaves_blocks(), moved, |_| {})
     }
 
     fn adopt(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {

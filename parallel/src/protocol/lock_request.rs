@@ -36,7 +36,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             request.describe()
         );
         // R5: a stalled request waits for the last of its wants, and keeps its place in that queue.
-        let first = request.wants.pop_if(|_| C::KEEPS_PLACE && request.stalled);
+        let first = request.wants.pop_if(|_| C::keeps_place() && request.stalled);
         request.wants.extend(wants);
         request.wants.extend(first);
         request.owed += 1;
@@ -60,13 +60,13 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         // A search at once that meets a lock changes nothing. Then the rest is locked one by one,
         // and so it is when the request goes on: else every wake-up would search in vain.
         // (It locks the ring, R1.)
-        let mut at_once = C::LOCKS_RING && request.held.is_empty();
+        let mut at_once = C::locks_ring() && request.held.is_empty();
         while let Some(want) = request.wants.pop() {
             let t = match want {
                 Want::Tet(t) => t,
                 Want::Seed(seed) if !self.directory.is_mine(seed.block) => {
                     // R10
-                    if C::FORWARDS {
+                    if C::forwards() {
                         request.bounced.push(seed);
                     }
                     continue;
@@ -74,7 +74,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
                 Want::Seed(seed) => match self.mesh.resolve(seed.name) {
                     Some(t) => t,
                     // R14
-                    None if !C::AWAITS_INSTALLATION => continue,
+                    None if !C::awaits_installation() => continue,
                     None => {
                         let queue = self.locks.absent.entry(seed.name).or_default();
                         queue.push(Waiter::Request(ticket));
@@ -121,7 +121,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         }
         let in_conflict = self.mesh.in_conflict(t, &request.point);
         // R1
-        if in_conflict || C::LOCKS_RING {
+        if in_conflict || C::locks_ring() {
             self.mesh.lock(t, ticket, in_conflict);
             request.held.push(t);
         }
@@ -186,12 +186,12 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         forget(&mut self.locks.waiting, me);
         forget(&mut self.locks.absent, me);
         // R2
-        if !C::RELEASES_ALL {
+        if !C::releases_all() {
             request.held.pop();
         }
         let woken = self.unlock(&request.held);
         // R3
-        if C::WAKES_ON_ABORT {
+        if C::wakes_on_abort() {
             self.wake(woken);
         }
         self.spare.put(request);
@@ -246,7 +246,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
                 continue;
             }
             let Some(queue) = self.locks.waiting.get_mut(&t) else { continue };
-            if C::REGRANT_ASKS_ALL {
+            if C::regrant_asks_all() {
                 woken.append(queue);
             } else if let Some(first) = (0..queue.len()).min_by_key(|&k| queue[k]) {
                 woken.push(queue.swap_remove(first));

@@ -19,7 +19,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     pub fn can_migrate(&self, block: BlockId) -> bool {
         self.directory.is_mine(block)
             // R9
-            && (!C::ONLY_BUSY_MIGRATE || !self.is_passive())
+            && (!C::only_busy_migrate() || !self.is_passive())
             && !self.is_stopped()
             && !self.mesh.is_block_locked(block)
     }
@@ -36,7 +36,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         self.out.push(Action::Note(Note::Migrated(block)));
         self.send(to, Message::Migrate { block, epoch, cargo, points });
         // R11
-        if C::MOVES_WAITERS {
+        if C::moves_waiters() {
             let woken = self.waiters_for(block);
             self.wake(woken);
         }
@@ -100,7 +100,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         invariant!(P3, epoch > known, "block {block} arrives in epoch {epoch}; it has had {known}");
         self.directory.learn(block, me, epoch);
         // R15
-        if self.cancelled && C::STAYS_CANCELLED {
+        if self.cancelled && C::stays_cancelled() {
             self.dropped |= !points.is_empty();
         } else {
             self.source.add(block, points);
@@ -112,7 +112,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     pub(super) fn stray(&mut self, block: BlockId, cargo: S::Cargo) {
         if self.directory.is_mine(block) {
             self.install(cargo);
-        } else if C::FORWARDS {
+        } else if C::forwards() {
             self.send(self.directory.owner(block), Message::Stray { block, cargo });
         }
     }
@@ -121,7 +121,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     pub(super) fn send_stray(&mut self, block: BlockId) {
         let cargo = self.take_out(block);
         // R10
-        if C::FORWARDS {
+        if C::forwards() {
             self.send(self.directory.owner(block), Message::Stray { block, cargo });
         }
     }

@@ -20,7 +20,7 @@
 //! [`Worker::step`] is a pure state machine: no clock, no thread, no randomness, no float.
 //! Threads, the simulator and the models of `verify/models` all run it; the mesh is behind
 //! [`Submesh`], the points to insert behind [`Source`], and every deliberate defect that the
-//! models must find is a constant of [`Rules`]. `docs/protocol.md` is the specification.
+//! models must find is a question of [`Rules`]. `docs/protocol.md` is the specification.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -33,7 +33,7 @@
 //! | `termination` | the token, in waves over a tree |
 //! | `directory`, `table` | who owns which block; a small map |
 //! | `news` | what sources tell each other |
-//! | `rules` | R1 to R27, as constants |
+//! | `rules` | R1 to R27, a question each |
 //! | `invariant` | P1 to P12, as assertions that hold in releases |
 //! | `submesh` | what is needed of a mesh and of a supply of points |
 //! | `variants` | the steps of the paper's conflict rule and closure |

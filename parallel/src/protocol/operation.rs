@@ -45,7 +45,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             Item::At(t) if self.mesh.holder(t).is_some() => Walk::Locked(t),
             Item::At(t) if self.mesh.in_conflict(t, point) => Walk::At(t),
             // R18
-            Item::At(_) | Item::Gone if !C::LETS_GO => self.mesh.walk(point, from),
+            Item::At(_) | Item::Gone if !C::lets_go() => self.mesh.walk(point, from),
             Item::At(_) | Item::Gone => {
                 self.mesh.forget(point);
                 self.source.released(point);
@@ -137,7 +137,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         if let Some(handle) = at
             && !self.directory.is_mine(handle.block)
         {
-            if C::FORWARDS {
+            if C::forwards() {
                 self.walk_out(start, handle);
             }
             return;
@@ -266,7 +266,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     pub(super) fn wounded(&mut self, ticket: Ticket, attempt: Attempt) {
         let obeys = match self.operations.all.get(&ticket) {
             Some(op) => op.attempt == attempt && op.phase == Phase::Expanding,
-            None => !C::IGNORES_LATE_WOUND,
+            None => !C::ignores_late_wound(),
         };
         if obeys {
             self.set_back(ticket);
@@ -284,12 +284,12 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         op.around.clear();
         let attempt = op.attempt;
         // R6
-        op.phase = Phase::Releasing(if C::AWAITS_RELEASES { asked.len() as u32 } else { 0 });
+        op.phase = Phase::Releasing(if C::awaits_releases() { asked.len() as u32 } else { 0 });
         self.out.push(Action::Note(Note::SetBack { ticket, attempt: attempt.next() }));
         for to in asked.keys() {
             self.send(to, Message::Abort { ticket, attempt });
         }
-        if !C::AWAITS_RELEASES {
+        if !C::awaits_releases() {
             self.start_again(ticket);
         }
     }

@@ -63,7 +63,7 @@ impl TerminationWave {
     pub(crate) fn received<C: Rules>(&mut self) {
         self.count -= 1;
         // R8
-        self.black |= C::BLACKENS;
+        self.black |= C::blackens();
     }
 
     /// Takes a token: from above, it starts the next wave; from below, it is part of this one.

@@ -277,7 +277,7 @@ impl Submesh for Line {
             made.push(name);
             self.cells.insert(name, cell);
         }
-        if C::RELINKS_INTERFACE {
+        if C::relinks_interface() {
             patch.relink.into_iter().for_each(|relink| self.relink(relink));
         }
     }

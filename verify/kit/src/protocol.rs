@@ -12,7 +12,7 @@ use ltbw::protocol::{Config, Correct, Directory, Rule, Worker, WorkerId};
 use ltbw_models::graph::{Graph, Limits};
 use ltbw_models::hull::Hull;
 use ltbw_models::system::{Choice, Migration, System};
-use ltbw_models::variants::{self, Variant};
+use ltbw_models::variants::{Defect, KnownBad, Variant};
 use ltbw_models::world::{Points, World as Polygon};
 use ltbw_models::worlds;
 use ltbw_tests::families::Rng;
@@ -114,32 +114,28 @@ impl Start for Polygon {
     }
 }
 
-/// Known-bad variants: the flag, and the replay under it.
-type Broken<T> = (&'static str, fn(&T, &[Turn]) -> Run);
+/// The flags of known-bad variants.
+const BROKEN: [(&str, Defect); 15] = [
+    ("closure-ring", Defect::BareCavity),
+    ("release", Defect::LeakyRollback),
+    ("release", Defect::ForgetfulRollback),
+    ("regrant", Defect::NaiveRegrant),
+    ("place", Defect::LostPlace),
+    ("acknowledge", Defect::HastyRestart),
+    ("late-wound", Defect::LateWound),
+    ("token", Defect::WhiteSafra),
+    ("idle-migration", Defect::IdleMigration),
+    ("forward", Defect::NoForwarding),
+    ("waiters", Defect::LeftWaiters),
+    ("relink", Defect::StaleInterface),
+    ("names", Defect::ReusedName),
+    ("installation", Defect::ImpatientExpand),
+    ("cancel", Defect::RestlessCancel),
+];
 
-macro_rules! broken {
-    ($($flag:literal: $($variant:ident)*;)*) => {
-        fn broken<T: Start>() -> Vec<Broken<T>> {
-            vec![$($(($flag, replay::<T, variants::$variant>)),*),*]
-        }
-    };
-}
-
-broken! {
-    "closure-ring": BareCavity;
-    "release": LeakyRollback ForgetfulRollback;
-    "regrant": NaiveRegrant;
-    "place": LostPlace;
-    "acknowledge": HastyRestart;
-    "late-wound": LateWound;
-    "token": WhiteSafra;
-    "idle-migration": IdleMigration;
-    "forward": NoForwarding;
-    "waiters": LeftWaiters;
-    "relink": StaleInterface;
-    "names": ReusedName;
-    "installation": ImpatientExpand;
-    "cancel": RestlessCancel;
+/// A replay of `turns` with a defect.
+fn broken<T: Start>(defect: Defect, start: &T, turns: &[Turn]) -> Run {
+    defect.planted(|| replay::<T, KnownBad>(start, turns))
 }
 
 /// A small random line, and the moves of its run.
@@ -195,8 +191,8 @@ fn has_two_faces(patch: &Value) -> bool {
 /// The flags of a run of the correct protocol.
 fn flags<T: Start>(start: &T, run: &Run) -> Vec<&'static str> {
     let mut flags: Vec<&'static str> = Vec::new();
-    for (flag, broken) in broken::<T>() {
-        if !flags.contains(&flag) && differs(run, &broken(start, &run.turns)).is_some() {
+    for (flag, defect) in BROKEN {
+        if !flags.contains(&flag) && differs(run, &broken(defect, start, &run.turns)).is_some() {
             flags.push(flag);
         }
     }
@@ -322,11 +318,11 @@ pub fn files() -> Vec<File> {
     let paper = selected(&["rule"], |_, random| line(Rule::Paper, random));
     let worlds = polygons();
     let mut hulls = selected(ON_THE_HULL, |seed, _| worlds[seed as usize % worlds.len()].clone());
-    hulls.push(shortest::<variants::LostPlace>("place", worlds::asked_again()));
-    hulls.push(shortest::<variants::LeftWaiters>("waiters", worlds::late_elsewhere()));
+    hulls.push(shortest("place", Defect::LostPlace, worlds::asked_again()));
+    hulls.push(shortest("waiters", Defect::LeftWaiters, worlds::late_elsewhere()));
     // R1 to R15, each by its own variant; line and hull know nothing of R16 to R18.
-    for ((flag, on_line), (_, on_hull)) in broken::<Setup>().into_iter().zip(broken::<Polygon>()) {
-        let is_shown = shows(&lines, on_line) || shows(&hulls, on_hull);
+    for (flag, defect) in BROKEN {
+        let is_shown = shows(&lines, defect) || shows(&hulls, defect);
         assert!(is_shown, "a variant of `{flag}` passes every case");
     }
     let file = |folder, name, tier, about, cases| File { folder, name, tier, about, cases };
@@ -342,14 +338,12 @@ pub fn files() -> Vec<File> {
     ]
 }
 
-/// A run that begins with the shortest way to the defect of the known-bad variant C, for a rule
-/// that random runs hardly ever show.
-fn shortest<C: Variant>(flag: &str, world: Polygon) -> Shown<Polygon> {
-    let limits = Limits { states: 100_000, first_fault: true };
-    let broken = System::<C>::new(world.clone());
-    let graph = Graph::explore(&broken, limits);
+/// The shortest way to a defect that is planted.
+fn way(defect: Defect, world: &Polygon) -> Vec<Turn> {
+    let broken = System::<KnownBad>::new(world.clone());
+    let graph = Graph::explore(&broken, Limits { states: 100_000, first_fault: true });
     let bad = graph.faults.first().map(|fault| fault.0).or(graph.deadlocks.first().copied());
-    let way = graph.way(bad.unwrap_or_else(|| panic!("{} is not caught", C::TITLE)));
+    let way = graph.way(bad.unwrap_or_else(|| panic!("{} is not caught", defect.title())));
     let (mut state, mut turns) = (broken.initial(), Vec::new());
     for choice in way {
         turns.extend(match choice {
@@ -364,6 +358,13 @@ fn shortest<C: Variant>(flag: &str, world: Polygon) -> Shown<Polygon> {
         });
         state = broken.after(&state, choice);
     }
+    turns
+}
+
+/// A run that begins with the shortest way to a defect, for a rule that random runs hardly ever
+/// show.
+fn shortest(flag: &str, defect: Defect, world: Polygon) -> Shown<Polygon> {
+    let turns = defect.planted(|| way(defect, &world));
     // A step that leaves the rule need not show at once: the end is chosen at random.
     let ends = (0..200).filter_map(|seed| {
         let run = play(&world, &turns, Chances::default(), LONGEST, &mut Rng::new(seed))?;
@@ -375,8 +376,10 @@ fn shortest<C: Variant>(flag: &str, world: Polygon) -> Shown<Polygon> {
 }
 
 /// Does a run fail under this variant?
-fn shows<T: Start>(shown: &[Shown<T>], broken: fn(&T, &[Turn]) -> Run) -> bool {
-    shown.iter().any(|(start, run, _)| differs(run, &broken(start, &run.turns)).is_some())
+fn shows<T: Start>(shown: &[Shown<T>], defect: Defect) -> bool {
+    let fails =
+        |(start, run, _): &Shown<T>| differs(run, &broken(defect, start, &run.turns)).is_some();
+    shown.iter().any(fails)
 }
 
 fn cases<T: Start>(shown: &[Shown<T>]) -> Vec<Case> {
@@ -390,10 +393,10 @@ fn cases<T: Start>(shown: &[Shown<T>]) -> Vec<Case> {
 /// two.
 fn forbidden<T: Start>(shown: &[Shown<T>]) -> Vec<Case> {
     let mut cases = Vec::new();
-    for (flag, broken) in broken::<T>() {
+    for (flag, defect) in BROKEN {
         let mut of: Vec<(usize, &T, &Run, Run)> = Vec::new();
         for (start, run, _) in shown {
-            let wrong = broken(start, &run.turns);
+            let wrong = broken(defect, start, &run.turns);
             let first = differs(run, &wrong).filter(|&k| k < wrong.steps.len());
             of.extend(first.map(|first| (first, start, run, wrong)));
         }

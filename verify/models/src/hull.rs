@@ -173,7 +173,7 @@ impl<C: Variant> Hull<C> {
     /// Takes a cell out of its slot.
     fn remove(&mut self, name: Name) -> Option<Cell> {
         let t = self.resolve(name)?;
-        if !C::FRESH_NAMES && name.by == self.me {
+        if !C::fresh_names() && name.by == self.me {
             self.free.insert(name.number);
         }
         let cell = self.cells[usize::from(t)].take();
@@ -452,7 +452,7 @@ impl<C: Variant> Submesh for Hull<C> {
             self.place(*edge);
         }
         for (name, side, link) in patch.relink {
-            if !D::RELINKS_INTERFACE && self.resolve(link.name).is_none() {
+            if !D::relinks_interface() && self.resolve(link.name).is_none() {
                 continue;
             }
             let here = self.resolve(name).map(usize::from);

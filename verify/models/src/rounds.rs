@@ -94,7 +94,7 @@ impl Rounds {
             self.open = Some(self.workers - 1);
             let others = WorkerId::below(self.workers).filter(|&w| w != self.me);
             self.out.extend(others.map(|w| (w, Told::Ask)));
-        } else if self.stage == Stage::Choosing && !C::AWAITS_RESERVATIONS {
+        } else if self.stage == Stage::Choosing && !C::awaits_reservations() {
             self.stage = Stage::Inserting;
         } else if let Some(sums) = self.sums(standing, points.len()) {
             let step = self.tree.put(sums);

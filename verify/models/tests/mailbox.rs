@@ -12,7 +12,7 @@ use ltbw::mailbox::{Endpoint, connect_as};
 use ltbw::protocol::{Correct, Rules, WorkerId};
 use ltbw_models::report::{caught, row};
 use ltbw_models::threads::Kept;
-use ltbw_models::variants::LostWakeUp;
+use ltbw_models::variants::{Defect, KnownBad};
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 
@@ -89,7 +89,7 @@ fn messages_arrive_in_order_and_wake() {
 /// begins in another.
 #[test]
 fn a_lost_wake_up_is_caught() {
-    let said = caught(|| drop(outcomes(two_senders::<LostWakeUp>)));
+    let said = caught(|| drop(Defect::LostWakeUp.planted(|| outcomes(two_senders::<KnownBad>))));
     assert!(said.contains("deadlock"), "{said}");
     row("known bad: lost wake-up", "loom, 3 threads", "until it fails", "caught: deadlock");
 }

@@ -8,7 +8,7 @@ use ltbw::protocol::Correct;
 use ltbw_models::random::world_of;
 use ltbw_models::report::{caught, is_deep, row};
 use ltbw_models::threads::{Seen, run};
-use ltbw_models::variants::LostWakeUp;
+use ltbw_models::variants::{Defect, KnownBad};
 use ltbw_models::world::World;
 use shuttle::scheduler::{PctScheduler, RandomScheduler};
 use shuttle::{Config, Runner};
@@ -89,7 +89,8 @@ fn a_lost_wake_up_is_caught() {
     let world = World { cancels: false, ..world_of(1, 8) };
     let said = caught(|| {
         let scheduler = RandomScheduler::new_from_seed(1, 2_000);
-        Runner::new(scheduler, Config::new()).run(move || drop(run::<LostWakeUp>(&world, None)));
+        let runner = Runner::new(scheduler, Config::new());
+        Defect::LostWakeUp.planted(|| runner.run(move || drop(run::<KnownBad>(&world, None))));
     });
     assert!(said.contains("deadlock"), "{said}");
     row("known bad: lost wake-up", "shuttle, 8 threads", "until it fails", "caught: deadlock");

@@ -368,7 +368,7 @@ impl Submesh for DomainMesh<'_> {
         let mut regions = Vec::new();
         let each = |t: TetId| regions.push(slots.region(t));
         // R16.
-        let tets = inner.extract_block(block, C::LEAVES_BLOCKS, moved, each);
+        let tets = inner.extract_block(block, C::leaves_blocks(), moved, each);
         let numbers = tets.iter().flat_map(|own| own.v).filter_map(|own| inner.number(own.name));
         let mut on: Vec<VertexId> = numbers.filter(|&v| carriers.is_bound(v)).collect();
         on.sort_unstable();

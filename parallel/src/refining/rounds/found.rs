@@ -60,8 +60,8 @@ impl Ahead {
         let found = self.found.get(&t).filter(|found| found.v == v)?;
         let cavity = &self.cavities[found.cavity.clone()];
         // R27.
-        let stands =
-            !C::CHECKS_AHEAD || keys.are_unchanged(&RankedHere::<C>::of(mesh), cavity, found.look);
+        let stands = !C::checks_ahead()
+            || keys.are_unchanged(&RankedHere::<C>::of(mesh), cavity, found.look);
         stands.then_some((found.to, found.carrier, cavity))
     }
 }

@@ -257,7 +257,7 @@ impl<C: Rules> Rounds<C> {
             }
         }
         // R25.
-        if !C::ENDS_PROBES && self.asks_already(mesh, k) {
+        if !C::ends_probes() && self.asks_already(mesh, k) {
             seeds.clear();
         }
         let probe = &mut self.choice.probes[k as usize];
@@ -380,7 +380,7 @@ impl<C: Rules> Rounds<C> {
         if fits && let Some(waits) = waits {
             probe.waits = Some(Box::new(waits));
             // R23.
-            if C::HEARS_OF_RIVALS {
+            if C::hears_of_rivals() {
                 self.want_rivals(k);
             }
         }
@@ -403,7 +403,7 @@ impl<C: Rules> Rounds<C> {
         let id = self.id(k);
         self.served.drop_part(id);
         // R24.
-        let others = if C::TAKES_BACK { self.others(k) } else { Vec::new() };
+        let others = if C::takes_back() { self.others(k) } else { Vec::new() };
         for owner in others {
             self.counts.notes += 1;
             self.send(owner, DomainNews::Void(id));

@@ -14,7 +14,7 @@ pub(super) type Own = (TetId, [VertexId; 4]);
 #[inline(always)]
 pub(super) fn places_of<C: Rules>(mesh: &DomainMesh<'_>, corners: [VertexId; 4]) -> [Point; 4] {
     // R22.
-    match C::RANKS_BY_PLACE {
+    match C::ranks_by_place() {
         true => corners.map(|v| mesh.point(v)),
         false => corners.map(|v| [f64::from(v.number()), 0.0, 0.0]),
     }
@@ -63,6 +63,6 @@ impl<C: Rules> Ranked for RankedHere<'_, '_, C> {
     #[inline(always)]
     fn breaks_ties(&self) -> bool {
         // R26.
-        C::BREAKS_TIES
+        C::breaks_ties()
     }
 }

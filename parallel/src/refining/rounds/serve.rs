@@ -254,7 +254,7 @@ impl Served {
         let own = self.part(probe).and_then(|part| part.holder);
         let before = self.reserved.before(t, (own, rank), |v| rank_of::<C>(mesh, v));
         // R26.
-        before.is_some_and(|other| C::BREAKS_TIES || !Rank::is_tie(other.key(), rank.lead.key()))
+        before.is_some_and(|other| C::breaks_ties() || !Rank::is_tie(other.key(), rank.lead.key()))
     }
 
     /// Tells the rival of a probe that a tetrahedron has.

@@ -381,7 +381,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 }
             }
             // R21.
-            Stage::Choosing if !C::AWAITS_RESERVATIONS && self.choice.open == 0 => {
+            Stage::Choosing if !C::awaits_reservations() && self.choice.open == 0 => {
                 self.begin_to_decide(mesh);
                 self.end_decisions();
             }

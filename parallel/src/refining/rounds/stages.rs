@@ -93,7 +93,7 @@ impl<C: Rules> Rounds<C> {
     ) {
         match self.stage {
             // R20.
-            Stage::Exchanging(_) if exchange == self.exchange.number || !C::NUMBERS_EXCHANGES => {
+            Stage::Exchanging(_) if exchange == self.exchange.number || !C::numbers_exchanges() => {
                 self.keys.hear(mesh, keys);
                 self.exchange.awaited.remove(&from);
             }
@@ -312,7 +312,7 @@ impl<C: Rules> Rounds<C> {
         self.demands.release();
         self.stage = Stage::Looking;
         // R21: one that has not waited for the others is told now.
-        if !C::AWAITS_RESERVATIONS {
+        if !C::awaits_reservations() {
             self.count(sums);
             if self.is_done(sums) {
                 return self.end(Ending::Done);

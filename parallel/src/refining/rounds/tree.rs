@@ -23,7 +23,7 @@ pub const TAKEN: usize = 1;
 /// Has every operation of a round ended, by the sums of a wave and of the one before? One alone may
 /// add up by chance, as workers speak at different times (R19).
 pub fn is_quiet<C: Rules>(before: Option<Sums>, sums: &Sums) -> bool {
-    let is_second = before == Some(*sums) || !C::AWAITS_SECOND_WAVE;
+    let is_second = before == Some(*sums) || !C::awaits_second_wave();
     sums[SENT] == sums[TAKEN] && is_second
 }
 
