@@ -64,7 +64,11 @@ fn same(name: &str, one: &Refined, other: &Refined) {
 }
 
 /// Refines in every way: one mesh. Returns how the workers' rounds have ended.
-fn one_mesh(name: &str, refiner: &Refiner<'_>, ready: &Prepared) -> Result<Ending, ComplexError> {
+pub(crate) fn one_mesh(
+    name: &str,
+    refiner: &Refiner<'_>,
+    ready: &Prepared,
+) -> Result<Ending, ComplexError> {
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
     invariants::check_all(engine.mesh()).expect("invariants of the mesh");
     let whole = (&ready.domain, &ready.lattice);

@@ -3,7 +3,9 @@
 
 use crate::mesh::{Moving, Patch, Piece, VertexName, WireVertex};
 use crate::protocol::WorkerId;
+use crate::refining::news::{Bits, bits};
 use ltbw_core::topology::TetId;
+use ltbw_exact::Point;
 use ltbw_refine::Carrier;
 use smallvec::SmallVec;
 
@@ -35,12 +37,37 @@ pub struct DomainPoint {
     pub(super) may: bool,
     /// The verdict has fallen: it is inserted whatever is in its cavity.
     pub(super) is_chosen: bool,
+    /// The walls of its cavity whose tetrahedra do not inherit their region, and the region that
+    /// they get: where it changes a patch.
+    pub(super) labels: Box<[(WallKey, u32)]>,
+}
+
+/// A face by the coordinates of its corners.
+pub(crate) type WallKey = [Bits; 3];
+
+/// The key of a face.
+pub(crate) fn wall_key(corners: &[Point; 3]) -> WallKey {
+    let mut key = corners.map(|p| bits(&p));
+    key.sort_unstable();
+    key
 }
 
 impl DomainPoint {
     /// A point that is to be inserted in any case, from tetrahedron `seed` on if that stands.
     pub(crate) fn chosen(vertex: WireVertex, carrier: Carrier, seed: TetId) -> Self {
-        Self { vertex, carrier, item: [0; 3], seed, may: true, is_chosen: true }
+        let (item, labels) = ([0; 3], Box::default());
+        Self { vertex, carrier, item, seed, may: true, is_chosen: true, labels }
+    }
+
+    /// The point, with the regions that tetrahedra at some walls get.
+    pub(crate) fn with_labels(self, labels: Box<[(WallKey, u32)]>) -> Self {
+        Self { labels, ..self }
+    }
+
+    /// The region that the new tetrahedron at a wall gets, if it does not inherit it.
+    pub(super) fn label(&self, corners: &[Point; 3]) -> Option<u32> {
+        let key = wall_key(corners);
+        self.labels.iter().find(|own| own.0 == key).map(|own| own.1)
     }
 
     /// The name of the vertex that it becomes.

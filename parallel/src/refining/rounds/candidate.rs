@@ -3,9 +3,11 @@
 use super::reserved::LazyRank;
 use crate::protocol::{Name, Table, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
-use crate::refining::news::{Bits, ProbeId, Proposal, WireClosure};
+use crate::refining::news::{Bits, Owned, ProbeId, Proposal, WireClosure};
 use ltbw_core::topology::{TetId, VertexId};
-use ltbw_refine::{BoundaryItem, Carrier, Closure, NOWHERE, Rank, RankLead, Rival, Watch};
+use ltbw_refine::{
+    BoundaryItem, Carrier, Closure, Filled, NOWHERE, Rank, RankLead, Rival, Watch,
+};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
@@ -39,8 +41,8 @@ pub(super) enum Outcome {
     Open,
     /// Another one has taken its place.
     Dropped,
-    /// The point may be inserted, unless others are in its way; items that go then.
-    Fits(Vec<BoundaryItem>),
+    /// The point may be inserted, unless others are in its way.
+    Fits(Filled),
     /// An item comes first; the shortest edge that this may lead to.
     Asks(Box<BoundaryItem>, Option<f64>),
 }
@@ -78,6 +80,8 @@ pub(super) struct Told {
     pub(super) owners: Vec<WorkerId>,
     /// The closure, as far as it is known. This worker's own part is added where it matters.
     pub(super) closure: Closure,
+    /// Its tetrahedra, where there are patches.
+    pub(super) tets: Vec<Owned>,
     index: FxHashMap<Bits, u32>,
     /// Per owner, the places in the closure of what it has told of, in that order.
     pub(super) places: Table<WorkerId, Vec<u32>>,
@@ -89,7 +93,7 @@ pub(super) struct Told {
 impl Told {
     /// Adds what an owner has found.
     pub(super) fn add(&mut self, owner: WorkerId, found: &WireClosure) {
-        let Self { closure, index, places, .. } = self;
+        let Self { closure, tets, index, places, .. } = self;
         index.reserve(found.corners.len());
         let numbers: Vec<u32> = found
             .corners
@@ -101,6 +105,8 @@ impl Told {
                 })
             })
             .collect();
+        closure.regions.extend(&found.regions);
+        tets.extend(found.slots.iter().map(|&tet| Owned { owner, tet }));
         let places = places.entry(owner, Vec::new);
         places.reserve(found.tets.len());
         closure.tets.reserve(found.tets.len());
@@ -151,6 +157,17 @@ pub(super) struct Probe {
     pub(super) waits: Option<Box<Waits>>,
     /// The tetrahedron that a boundary item's point begins at, and its vertices, as they were.
     pub(super) start: Option<(TetId, [VertexId; 4])>,
+    /// Its turn, if candidates have turns.
+    pub(super) turn: Option<Box<Turn>>,
+}
+
+/// The turn of a candidate.
+#[derive(Debug)]
+pub(super) struct Turn {
+    /// Its number among its home's.
+    pub(super) number: u32,
+    /// Of a boundary item: the closures of points that did not do.
+    pub(super) passed: Vec<Owned>,
 }
 
 impl Probe {
@@ -169,6 +186,7 @@ impl Probe {
             outcome: Outcome::Open,
             waits: None,
             start: None,
+            turn: None,
         }
     }
 

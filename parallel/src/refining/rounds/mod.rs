@@ -26,6 +26,7 @@
 //! | `ahead`, `found` | cavities found while others are waited for |
 //! | `here` | closures that are all one worker's |
 //! | `decide` | who is chosen |
+//! | `conduct`, `turns` | where there are patches: turns, by the conductor, and at home |
 //! | `demands` | boundary items to be split, and who waits for whom |
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
@@ -33,6 +34,7 @@
 
 mod ahead;
 mod candidate;
+mod conduct;
 mod decide;
 mod demands;
 mod found;
@@ -45,6 +47,7 @@ mod serve;
 mod source;
 mod stages;
 mod tree;
+mod turns;
 mod under_way;
 mod way;
 

@@ -1,6 +1,7 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
 use super::candidate::{ChosenPoint, Probe};
+use super::conduct::Conductor;
 use super::demands::{Demands, Pending};
 use super::found::Ahead;
 use super::keys::{SharedKeys, keep};
@@ -8,12 +9,13 @@ use super::serve::Served;
 use super::tree::Tree;
 use super::under_way::Counts;
 pub(super) use super::under_way::Stage;
+use super::way::Entry;
 use crate::mesh::VertexName;
 use crate::protocol::{
     BlockId, Correct, Directory, Item, Rules, Source, Standing, Submesh, WorkerId,
 };
 use crate::refining::domain::{DomainMesh, DomainPoint};
-use crate::refining::news::{DomainNews, KeysTold, Sums};
+use crate::refining::news::{DomainNews, Fate, KeysTold, Sums};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_refine::{Asked, BoundaryItem, ItemPlace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -97,6 +99,10 @@ pub(super) struct Choice {
     pub(super) open: usize,
     /// Probes whose points may be inserted, unless others are in their way.
     pub(super) fits: i64,
+    /// If candidates have turns: what becomes of them, once the conductor has told.
+    pub(super) fates: Option<Option<Vec<Fate>>>,
+    /// By the number of an entrant: its probe, of the last attempt.
+    pub(super) current: Vec<u32>,
 }
 
 /// The points that a worker gives in a round.
@@ -171,6 +177,7 @@ pub struct Rounds<C = Correct> {
     pub(super) choice: Choice,
     pub(super) points: Points,
     pub(super) demands: Demands,
+    pub(super) conductor: Conductor,
     pub(super) counts: Counts,
     pub(super) mail: Mail,
     pub(super) created: Vec<TetId>,
@@ -207,6 +214,7 @@ impl<C: Rules> Rounds<C> {
             choice: Choice::default(),
             points: Points::default(),
             demands: Demands::default(),
+            conductor: Conductor::default(),
             counts: Counts::default(),
             mail: Mail::default(),
             created: mesh.inner.tets().tets().map(|(t, _)| t).collect(),
@@ -381,7 +389,11 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 }
             }
             // R21.
-            Stage::Choosing if !C::AWAITS_RESERVATIONS && self.choice.open == 0 => {
+            Stage::Choosing
+                if !C::AWAITS_RESERVATIONS
+                    && self.choice.open == 0
+                    && self.choice.fates.is_none() =>
+            {
                 self.begin_to_decide(mesh);
                 self.end_decisions();
             }
@@ -414,9 +426,9 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 self.take_step(step);
             }
             DomainNews::Down(sums) => self.pass_on(sums),
-            DomainNews::Way { own, at, start, may } => {
+            DomainNews::Way { own, at, start, may, region } => {
                 if let Some(t) = mesh.resolve(at.name) {
-                    let entry = (t, Some(usize::from(at.face)));
+                    let entry = Entry { t, by: Some((usize::from(at.face), region)) };
                     self.go(mesh, directory, &own.into(), entry, (start, may));
                 }
             }
@@ -432,6 +444,10 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             DomainNews::Part { number, end, found, foreign } => {
                 self.take_part(mesh, directory, from, number, (end, found, foreign));
             }
+            DomainNews::Entrants(entrants) => self.take_entrants(from, entrants),
+            DomainNews::Launch(numbers) => self.take_launch(numbers),
+            DomainNews::Report(report) => self.take_report(from, report),
+            DomainNews::Fates(fates) => self.choice.fates = Some(Some(fates)),
             // Told by sources without rounds alone.
             DomainNews::Ended(_) => {}
             DomainNews::Void(probe) => {
