@@ -70,7 +70,8 @@ pub use rules::aim::Aim;
 pub use rules::by_values::Survey;
 #[doc(hidden)]
 pub use rules::choice::{
-    BoundaryItem, Closure, Corner, Filled, ItemPlace, NOWHERE, Rank, RankLead, Rival, Ruling,
+    BoundaryItem, Closure, Corner, Filled, ItemPlace, NOWHERE, Rank, RankLead, Relabelled, Rival,
+    Ruling,
 };
 pub use rules::complex::{Complex, ComplexError, Start};
 #[doc(hidden)]

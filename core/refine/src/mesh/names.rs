@@ -72,9 +72,8 @@ impl Names {
         if carriers.contains(&Carrier::Free) {
             return None;
         }
-        let on_all = |&f: &u32| {
-            !plc.is_patch(f) && carriers.iter().all(|&carrier| plc.lies_on(carrier, f))
-        };
+        let on_all =
+            |&f: &u32| !plc.is_patch(f) && carriers.iter().all(|&carrier| plc.lies_on(carrier, f));
         let inside = carriers.iter().find_map(|&carrier| match carrier {
             Carrier::Facet(f) => Some(f),
             _ => None,

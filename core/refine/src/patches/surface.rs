@@ -121,6 +121,9 @@ impl<B: Bounded> Judge<'_, B> {
         }
         let stays = |s: &[VertexId; 3]| !others.iter().any(|c| c.removed.contains(s));
         let foreign = |face: &&Face<B::Tet>| !patches.contains(&face.facet) && stays(&face.key);
+        if patches.is_empty() && !survey.inner().any(|face| plc.is_patch(face.facet)) {
+            return Some(Vec::new());
+        }
         let mut lost: Vec<u32> = survey.inner().filter(foreign).map(|face| face.facet).collect();
         lost.sort_unstable();
         lost.dedup();

@@ -55,9 +55,8 @@ pub(crate) trait Bounded {
 
     /// The faces of the cavity, each as a slot of the tetrahedron inside.
     fn walls(&self) -> impl Iterator<Item = (Self::Tet, usize)> {
-        let is_wall = |t: Self::Tet, slot: usize| {
-            self.beyond(t, slot).is_none_or(|other| !self.is_in(other))
-        };
+        let is_wall =
+            |t: Self::Tet, slot: usize| self.beyond(t, slot).is_none_or(|other| !self.is_in(other));
         let slots = move |t| (0..4).filter(move |&slot| is_wall(t, slot)).map(move |k| (t, k));
         self.cavity().flat_map(slots)
     }

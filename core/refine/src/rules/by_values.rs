@@ -2,7 +2,7 @@
 //! alone: for engines whose mesh is on many processors.
 
 use super::bounded::{Bounded, ByValues};
-use super::choice::{BoundaryItem, Corner, Filled, Ruling};
+use super::choice::{BoundaryItem, Corner, Filled, Relabelled, Ruling};
 use super::complex::Complex;
 use super::record::Record;
 use super::surveyed::Surveyed;
@@ -10,7 +10,6 @@ use super::verdict::{Filling, Judge, Verdict};
 use super::watch::Watch;
 use crate::complex::carrier::Carrier;
 use crate::mesh::item::Item;
-use crate::mesh::key::order_key;
 use crate::mesh::state::Place;
 use crate::mesh::survey;
 use crate::table::{edge, triangle};
@@ -88,10 +87,9 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         let faces = changes.iter().flat_map(|change| &change.removed);
         let faces = faces.map(|&s| Item::Subface(s));
         let split = split.map(|(s, _)| Item::Segment(s));
-        let wall = |&(corners, label): &([VertexId; 3], u32)| {
-            let mut corners = corners.map(|v| self.closure.at(v));
-            corners.sort_unstable_by_key(order_key);
-            (corners, label)
+        let wall = |&(corners, region): &([VertexId; 3], u32)| Relabelled {
+            corners: corners.map(|v| self.closure.at(v)),
+            region,
         };
         Filled {
             gone: faces.chain(split).filter_map(|item| self.named(item)).collect(),

@@ -194,15 +194,24 @@ impl BoundaryItem {
     }
 }
 
+/// A wall of a cavity whose new tetrahedron does not inherit its region.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relabelled {
+    /// Its corners.
+    pub corners: [Point; 3],
+    /// The region that the tetrahedron gets.
+    pub region: u32,
+}
+
 /// The changes that come with a point.
 #[doc(hidden)]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Filled {
     /// Items that go.
     pub gone: Vec<BoundaryItem>,
-    /// Walls of the cavity whose tetrahedra do not inherit their label, by their corners in the
-    /// order of their coordinates, and the label that they get.
-    pub relabelled: Vec<([Point; 3], u32)>,
+    /// Walls of the cavity whose tetrahedra do not inherit their region.
+    pub relabelled: Vec<Relabelled>,
     /// Is a patch changed? Then the point is alone in its closure.
     pub is_alone: bool,
 }

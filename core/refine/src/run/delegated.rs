@@ -229,6 +229,10 @@ impl<'a> Delegated<'a> {
         own.inserted.points = own.state.number_all();
         own.inserted.next_number = own.state.carriers.len() as Vertex - 1;
         let found = own.state.enter_marks(&complex, &regions, !asked.is_empty());
+        let mut all = own.state.mesh.topology().iter().map(|(t, _)| t);
+        if complex.has_patches() && !own.state.is_labelled(&mut all) {
+            return Err(RefineError::Invariant { what: "regions change at the boundary alone" });
+        }
         let waiting = |asked: &Asked| {
             let &(item, near) = found.get(&asked.item.place())?;
             let first = asked.first.and_then(|first| Some(found.get(&first)?.0));

@@ -6,7 +6,7 @@ use crate::protocol::WorkerId;
 use crate::refining::news::{Bits, bits};
 use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
-use ltbw_refine::Carrier;
+use ltbw_refine::{Carrier, Relabelled};
 use smallvec::SmallVec;
 
 /// A boundary item by the names of its vertices, ascending, those of a segment after a 0; for a
@@ -39,14 +39,25 @@ pub struct DomainPoint {
     pub(super) is_chosen: bool,
     /// The walls of its cavity whose tetrahedra do not inherit their region, and the region that
     /// they get: where it changes a patch.
-    pub(super) labels: Box<[(WallKey, u32)]>,
+    pub(super) labels: Box<[WallRegion]>,
 }
 
-/// A face by the coordinates of its corners.
-pub(crate) type WallKey = [Bits; 3];
+/// A wall of a cavity, by the coordinates of its corners, and the region that its new tetrahedron
+/// gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct WallRegion {
+    wall: [Bits; 3],
+    region: u32,
+}
 
-/// The key of a face.
-pub(crate) fn wall_key(corners: &[Point; 3]) -> WallKey {
+impl WallRegion {
+    pub(crate) fn of(own: &Relabelled) -> Self {
+        Self { wall: wall_key(&own.corners), region: own.region }
+    }
+}
+
+/// A face by the coordinates of its corners, in any order.
+fn wall_key(corners: &[Point; 3]) -> [Bits; 3] {
     let mut key = corners.map(|p| bits(&p));
     key.sort_unstable();
     key
@@ -60,14 +71,14 @@ impl DomainPoint {
     }
 
     /// The point, with the regions that tetrahedra at some walls get.
-    pub(crate) fn with_labels(self, labels: Box<[(WallKey, u32)]>) -> Self {
+    pub(crate) fn with_labels(self, labels: Box<[WallRegion]>) -> Self {
         Self { labels, ..self }
     }
 
     /// The region that the new tetrahedron at a wall gets, if it does not inherit it.
     pub(super) fn label(&self, corners: &[Point; 3]) -> Option<u32> {
         let key = wall_key(corners);
-        self.labels.iter().find(|own| own.0 == key).map(|own| own.1)
+        self.labels.iter().find(|own| own.wall == key).map(|own| own.region)
     }
 
     /// The name of the vertex that it becomes.

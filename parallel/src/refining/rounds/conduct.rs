@@ -202,7 +202,8 @@ impl Contest {
             let fate = self.fate(rank);
             fates.push(fate);
             let fits = |own: &Report| matches!(own.verdict, Reported::Fits { .. });
-            let holds = rank >= self.of_boundary || self.all[rank].report.as_ref().is_some_and(fits);
+            let holds =
+                rank >= self.of_boundary || self.all[rank].report.as_ref().is_some_and(fits);
             if has_turns && fate == Fate::Stands && holds {
                 self.reserve(rank as u32);
             }

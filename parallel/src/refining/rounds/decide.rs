@@ -6,7 +6,7 @@ use super::demands::Pending;
 use super::source::{Rounds, Stage};
 use crate::mesh::{WireVertex, made};
 use crate::protocol::{Rules, WorkerId};
-use crate::refining::domain::{DomainMesh, DomainPoint, wall_key};
+use crate::refining::domain::{DomainMesh, DomainPoint, WallRegion};
 use crate::refining::news::{DomainNews, WireItem, point, rival, rival_byte};
 use ltbw_core::topology::TetId;
 use ltbw_refine::{BoundaryItem, Filled};
@@ -107,7 +107,7 @@ impl<C: Rules> Rounds<C> {
         let seed = start.map_or(TetId::default(), |(t, _)| t);
         // R28.
         let relabelled = relabelled.iter().filter(|_| C::LABELS_WALLS);
-        let walls = relabelled.map(|(wall, label)| (wall_key(wall), *label)).collect();
+        let walls = relabelled.map(WallRegion::of).collect();
         let point = DomainPoint::chosen(vertex, probe.carrier, seed).with_labels(walls);
         let cavity = self.served.inside(id);
         self.points.chosen.push_back(ChosenPoint { point, start, cavity });

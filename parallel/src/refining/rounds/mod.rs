@@ -12,12 +12,13 @@
 //!
 //! Work on the whole mesh is left to the engine, which takes over when nothing else is left:
 //! slivers; circles of items that wait for each other; anything that cannot be split. Domains with
-//! small angles or patches within a tolerance it refines from the start.
+//! small angles it refines from the start.
 //!
 //! | module | what it holds |
 //! |---|---|
 //! | `source` | what a worker knows and is told |
 //! | `stages` | the stages of a round |
+//! | `mail` | news on their way out |
 //! | `tree` | barriers with sums |
 //! | `under_way` | which messages a barrier waits for |
 //! | `keys`, `ranked` | which tetrahedra come before all around them |
@@ -40,6 +41,7 @@ mod demands;
 mod found;
 mod here;
 mod keys;
+mod mail;
 mod probe;
 mod ranked;
 mod reserved;

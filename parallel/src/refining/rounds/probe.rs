@@ -1,6 +1,6 @@
 //! The home's side of the choice: probes, what comes of them, and who is chosen.
 
-use super::candidate::{Outcome, Probe, Seeker, Told, Waits, What};
+use super::candidate::{Outcome, Probe, Seeker, Verdict, Waits, What};
 use super::here::Here;
 use super::ranked::rank_of;
 use super::serve::{corner, describe};
@@ -10,12 +10,7 @@ use crate::protocol::{Directory, Handle, Rules, Submesh, Table, Walk, WorkerId};
 use crate::refining::domain::{DomainMesh, is_near};
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
-use ltbw_exact::Point;
-use ltbw_refine::{
-    Aim, BoundaryItem, Collected, Filled, ItemPlace, RankLead, Ruling, Survey, Surveyed, Watch,
-    middle,
-};
-use std::collections::BTreeSet;
+use ltbw_refine::{Aim, BoundaryItem, Collected, Filled, RankLead, Ruling, middle};
 
 impl<C: Rules> Rounds<C> {
     pub(super) fn id(&self, number: u32) -> ProbeId {
@@ -440,79 +435,5 @@ impl<C: Rules> Rounds<C> {
             self.counts.notes += 1;
             self.send(owner, DomainNews::WantRivals(id));
         }
-    }
-}
-
-/// The verdict on a probe's point.
-#[derive(Debug, PartialEq)]
-enum Verdict {
-    Is(Outcome),
-    /// It does not do what it was made for; another one may.
-    Useless,
-    /// It cannot be.
-    Refuse,
-}
-
-impl Probe {
-    /// The survey of a closure of its point.
-    fn survey<'c, R: Surveyed>(&self, mesh: &'c DomainMesh<'_>, closure: &'c R) -> Survey<'c, R> {
-        Survey::of(&mesh.complex, closure, &point(&self.to), self.carrier)
-    }
-
-    /// The verdict on its point by a survey of its closure, and what makes it wait for others.
-    fn rule<R: Surveyed>(
-        &self,
-        mesh: &DomainMesh<'_>,
-        survey: &Survey<'_, R>,
-    ) -> (Verdict, Option<Watch<R::Tet>>) {
-        let ruling = match &self.what {
-            What::Tet(..) => survey.rule_on_tet(),
-            What::Item(item) => survey.rule_on_item(item, self.may),
-        };
-        match ruling {
-            Ruling::Fill(filled) => {
-                let watch = match &self.what {
-                    What::Tet(..) => survey.watch_in_tet(),
-                    What::Item(item) => Some(survey.watch_at_item(item)),
-                };
-                (Verdict::Is(Outcome::Fits(filled)), watch)
-            }
-            Ruling::Defer(first) => match first.first() {
-                Some(&first) => (Verdict::Is(self.what.asks(mesh, first)), None),
-                None => (Verdict::Useless, None),
-            },
-            Ruling::Useless => (Verdict::Useless, None),
-            Ruling::Refuse => (Verdict::Refuse, None),
-        }
-    }
-
-    /// Is the verdict the same if the closure is told by values?
-    fn rules_so_by_values(
-        &self,
-        here: &Here<'_, '_>,
-        verdict: &Verdict,
-        watch: Option<&Watch<TetId>>,
-    ) -> bool {
-        let order = here.listed();
-        let mut told = Told::default();
-        told.add(here.mesh.me(), &describe(here.mesh, &order, self.carrier));
-        let closure = Collected::of(&told.closure);
-        let (by_values, other) = self.rule(here.mesh, &self.survey(here.mesh, &closure));
-        let sorted = |verdict: &Verdict| match verdict {
-            Verdict::Is(Outcome::Fits(filled)) => {
-                let wall = |(wall, label): &([Point; 3], u32)| (wall.map(|p| bits(&p)), *label);
-                let walls: BTreeSet<_> = filled.relabelled.iter().map(wall).collect();
-                let gone: BTreeSet<ItemPlace> =
-                    filled.gone.iter().map(BoundaryItem::place).collect();
-                Some((gone, walls, filled.is_alone))
-            }
-            _ => None,
-        };
-        let is_same = match sorted(verdict) {
-            Some(gone) => sorted(&by_values) == Some(gone),
-            None => by_values == *verdict,
-        };
-        let watch = watch.map(|watch| watch.named(|t| t));
-        is_same && watch == other.map(|other| other.named(|place| order[place].0))
     }
 }

@@ -4,7 +4,8 @@ use super::candidate::{ChosenPoint, Probe};
 use super::conduct::Conductor;
 use super::demands::{Demands, Pending};
 use super::found::Ahead;
-use super::keys::{SharedKeys, keep};
+use super::keys::SharedKeys;
+use super::mail::Mail;
 use super::serve::Served;
 use super::tree::Tree;
 use super::under_way::Counts;
@@ -126,38 +127,6 @@ pub(super) struct Budget {
     /// Points inserted so far, by all, those before the rounds included.
     pub(super) total: i64,
     pub(super) most: i64,
-}
-
-/// News to be told.
-#[derive(Debug, Default)]
-pub(super) struct Mail {
-    out: VecDeque<(WorkerId, DomainNews)>,
-    /// The memory of news that others have told together: about as much is told them.
-    spare: Vec<Vec<DomainNews>>,
-}
-
-impl Mail {
-    pub(super) fn send(&mut self, to: WorkerId, news: DomainNews) {
-        self.out.push_back((to, news));
-    }
-
-    /// The next news: all that is to be told one worker goes together.
-    fn tell(&mut self, me: WorkerId) -> Option<(WorkerId, DomainNews)> {
-        let (to, first) = self.out.pop_front()?;
-        if to == me || self.out.iter().all(|(other, _)| *other != to) {
-            return Some((to, first));
-        }
-        let mut all = self.spare.pop().unwrap_or_default();
-        all.push(first);
-        // News for others go around, and are in their order again.
-        for _ in 0..self.out.len() {
-            match self.out.pop_front() {
-                Some((other, news)) if other == to => all.push(news),
-                other => self.out.extend(other),
-            }
-        }
-        Some((to, DomainNews::Several(all)))
-    }
 }
 
 /// One worker's part in rounds.
@@ -418,7 +387,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 for news in all.drain(..) {
                     self.hear(mesh, directory, from, news);
                 }
-                keep(&mut self.mail.spare, all);
+                self.mail.keep(all);
             }
             DomainNews::Keys { exchange, keys } => self.take_keys(mesh, from, exchange, keys),
             DomainNews::Up(sums) => {

@@ -116,7 +116,9 @@ impl<C: Rules> Rounds<C> {
         let watch = probe.waits.take().map(|waits| match (*waits, &probe.told) {
             (Waits::Here(watch, _), _) => watch.named(|tet| Owned { owner: me, tet }),
             (Waits::Told(watch), Some(told)) => watch.named(|place| told.tets[place]),
-            (Waits::Told(watch), None) => watch.named(|_| Owned { owner: me, tet: TetId::default() }),
+            (Waits::Told(watch), None) => {
+                watch.named(|_| Owned { owner: me, tet: TetId::default() })
+            }
         });
         let report = Report {
             number: turn.number,

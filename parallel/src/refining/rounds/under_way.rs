@@ -3,7 +3,8 @@
 //! | sent in | kinds | taken before |
 //! |---|---|---|
 //! | `Looking`, `Exchanging` | `Keys` | `Counting` ends |
-//! | `Choosing` | `Way`, `Seek`, `Search`, `Part`, `Void`, `WantRivals`, `Entrants`, `Launch`, `Report`, `Fates` | `Choosing` ends |
+//! | `Choosing` | `Way`, `Seek`, `Search`, `Part`, `Void`, `WantRivals` | `Choosing` ends |
+//! | `Choosing`, in turns | `Entrants`, `Launch`, `Report`, `Fates` | `Choosing` ends |
 //! | `Deciding` | `Rivals`, `Ask`, `Gone` | `Inserting` ends |
 //! | the end of `Inserting` | `Release` | the next `Counting` ends |
 //!
