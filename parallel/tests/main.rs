@@ -8,6 +8,7 @@ mod home;
 mod limit;
 mod ownership;
 mod refining_domains;
+mod refining_patches;
 mod refining_rounds;
 mod simulate_mesh;
 mod threads;

@@ -70,11 +70,14 @@ pub use rules::aim::Aim;
 pub use rules::by_values::Survey;
 #[doc(hidden)]
 pub use rules::choice::{
-    BoundaryItem, Closure, Corner, ItemPlace, NOWHERE, Rank, RankLead, Rival, Ruling,
+    BoundaryItem, Closure, Corner, Filled, ItemPlace, NOWHERE, Rank, RankLead, Relabelled, Rival,
+    Ruling,
 };
 pub use rules::complex::{Complex, ComplexError, Start};
 #[doc(hidden)]
 pub use rules::surveyed::{Collected, Surveyed};
+#[doc(hidden)]
+pub use rules::turns::{Contender, Group, Held, next_wave};
 #[doc(hidden)]
 pub use rules::watch::Watch;
 #[doc(hidden)]

@@ -146,6 +146,17 @@ pub trait Rules: 'static {
     fn checks_ahead() -> bool {
         true
     }
+    /// R28: a point that changes a patch brings along the regions that tetrahedra at some walls of
+    /// its cavity get in place of those that they would inherit.
+    #[inline]
+    fn labels_walls() -> bool {
+        true
+    }
+    /// R29: a wave of probes begins when those of the waves before it have reserved.
+    #[inline]
+    fn awaits_waves() -> bool {
+        true
+    }
 }
 
 /// The protocol as it ships.

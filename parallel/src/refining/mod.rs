@@ -13,7 +13,8 @@ pub use domain::{
 };
 pub use freely::{SimulatedDomain, ThreadedDomain, domain_on_threads, simulate_domain};
 pub use news::{
-    DomainNews, KeysTold, PartEnd, ProbeId, Proposal, Sums, WireClosure, WireCorner, WireItem,
+    DomainNews, Entrant, Fate, KeysTold, Owned, PartEnd, ProbeId, Proposal, Report, Reported, Sums,
+    WireClosure, WireCorner, WireItem,
 };
 pub use rounds::{
     Ending, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN, ThreadedRounds,

@@ -3,8 +3,9 @@
 
 use crate::mesh::VertexName;
 use crate::protocol::{Handle, Name, WorkerId};
+use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
-use ltbw_refine::{BoundaryItem, Carrier, Corner, ItemPlace, NOWHERE, Rank, Rival};
+use ltbw_refine::{BoundaryItem, Carrier, Corner, Group, ItemPlace, NOWHERE, Rank, Rival, Watch};
 use smallvec::SmallVec;
 
 /// A point as bits: the protocol never sees a float.
@@ -90,6 +91,84 @@ pub enum PartEnd {
 pub struct WireClosure {
     pub(crate) corners: Vec<WireCorner>,
     pub(crate) tets: Vec<([u32; 4], bool)>,
+    /// Their regions, and their slots there, where the domain has patches.
+    pub(crate) regions: Vec<u32>,
+    pub(crate) slots: Vec<TetId>,
+}
+
+/// A tetrahedron by its owner and its slot there, as long as nothing is inserted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Owned {
+    pub(crate) owner: WorkerId,
+    pub(crate) tet: TetId,
+}
+
+/// A candidate of a round in turns, before anything is probed.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Entrant {
+    pub(crate) rank: Rank,
+    /// The tetrahedron that it splits, if it is none of the boundary, and the group of its
+    /// circumsphere.
+    pub(crate) tet: Option<TetId>,
+    pub(crate) group: Option<Group>,
+}
+
+/// The verdict of a probe, as the conductor is told of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Reported {
+    /// No point does, or the rounds end.
+    Nothing,
+    /// Another item is to be split first.
+    Asks,
+    /// The point may be inserted; if it changes a patch, it has to be alone.
+    Fits {
+        /// Has it to be alone?
+        is_alone: bool,
+    },
+}
+
+/// What a probe in turns has found.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Report {
+    /// Its number among the entrants of its home.
+    pub(crate) number: u32,
+    pub(crate) verdict: Reported,
+    pub(crate) carrier: Carrier,
+    /// Of a boundary item: the closures of points that did not do.
+    pub(crate) passed: Vec<Owned>,
+    /// The tetrahedra in conflict, and those around them.
+    pub(crate) cavity: Vec<Owned>,
+    pub(crate) ring: Vec<Owned>,
+    /// The tetrahedra at which others make it wait.
+    pub(crate) watch: Option<Watch<Owned>>,
+}
+
+impl Report {
+    pub(crate) fn is_alone(&self) -> bool {
+        matches!(self.verdict, Reported::Fits { is_alone: true })
+    }
+
+    /// Its closure.
+    pub(crate) fn closure(&self) -> impl Iterator<Item = Owned> + '_ {
+        self.cavity.iter().chain(&self.ring).copied()
+    }
+
+    fn bytes(&self) -> u64 {
+        let closures = [&self.passed, &self.cavity, &self.ring].map(Vec::len);
+        let watch = self.watch.as_ref().map_or(0, Watch::size);
+        16 + OWNED * (closures.iter().sum::<usize>() + watch) as u64
+    }
+}
+
+/// What becomes of an entrant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Fate {
+    /// Its point is inserted, or what it asks for is to be split.
+    Stands,
+    /// It was not probed, or is killed, or waits.
+    Falls,
+    /// A point of the boundary that was taken before bars it.
+    Barred,
 }
 
 /// A rival in a message: bits 1, 2, 4 for there, of the boundary, apart.
@@ -141,6 +220,8 @@ pub enum DomainNews {
         start: Bits,
         /// May the point be inserted?
         may: bool,
+        /// The region of the tetrahedron that it comes from.
+        region: u32,
     },
     /// A probe looks for a tetrahedron in conflict with its point, and then searches.
     Seek {
@@ -171,6 +252,14 @@ pub enum DomainNews {
     Void(ProbeId),
     /// The home of the probe wants to hear of its rivals.
     WantRivals(ProbeId),
+    /// The sender's candidates of a round in turns, to the conductor.
+    Entrants(Vec<Entrant>),
+    /// The receiver is to probe for these, from the conductor.
+    Launch(Vec<u32>),
+    /// What a probe has found, to the conductor.
+    Report(Report),
+    /// What becomes of all the receiver's candidates, from the conductor.
+    Fates(Vec<Fate>),
     /// The rivals in the sender's part of a closure, in the order in which it has told of it.
     Rivals {
         /// The number of the probe.
@@ -199,7 +288,7 @@ pub enum DomainNews {
 }
 
 /// The kinds of news that barriers wait for, in the order in which a round has them.
-pub(crate) const NEWS_KINDS: [&str; 11] = [
+pub(crate) const NEWS_KINDS: [&str; 15] = [
     "Keys",
     "Way",
     "Seek",
@@ -207,6 +296,10 @@ pub(crate) const NEWS_KINDS: [&str; 11] = [
     "Part",
     "Void",
     "WantRivals",
+    "Entrants",
+    "Launch",
+    "Report",
+    "Fates",
     "Rivals",
     "Ask",
     "Gone",
@@ -235,6 +328,9 @@ const PROBE: u64 = 8;
 /// A carrier takes up to 9 bytes.
 const PROPOSAL: u64 = PROBE + POINT + RANK + 9;
 const PLACE: u64 = 3 * POINT + 1;
+const OWNED: u64 = 8;
+/// A rank, a slot, and four numbers of a group.
+const ENTRANT: u64 = RANK + 4 + 28;
 
 impl DomainNews {
     /// Bytes beside the header, as a compact encoding would have them.
@@ -254,9 +350,14 @@ impl DomainNews {
                 9 + end
                     + corners_bytes(&found.corners)
                     + 8 * found.tets.len() as u64
+                    + 6 * found.regions.len() as u64
                     + HANDLE * foreign.len() as u64
             }
             Self::Void(_) | Self::WantRivals(_) => PROBE,
+            Self::Entrants(all) => 4 + ENTRANT * all.len() as u64,
+            Self::Launch(all) => 4 + 4 * all.len() as u64,
+            Self::Report(report) => report.bytes(),
+            Self::Fates(all) => 4 + all.len() as u64,
             Self::Rivals { rivals, .. } => 8 + rivals.len() as u64 / 2,
             Self::Ask { item, waiter, .. } => item_bytes(item) + 9 + waiter.map_or(1, |_| PLACE),
             Self::Gone(_) | Self::Release(_) => PLACE,
@@ -277,10 +378,14 @@ impl DomainNews {
             Self::Part { .. } => 4,
             Self::Void(_) => 5,
             Self::WantRivals(_) => 6,
-            Self::Rivals { .. } => 7,
-            Self::Ask { .. } => 8,
-            Self::Gone(_) => 9,
-            Self::Release(_) => 10,
+            Self::Entrants(_) => 7,
+            Self::Launch(_) => 8,
+            Self::Report(_) => 9,
+            Self::Fates(_) => 10,
+            Self::Rivals { .. } => 11,
+            Self::Ask { .. } => 12,
+            Self::Gone(_) => 13,
+            Self::Release(_) => 14,
             Self::Several(all) => return all.iter().flat_map(Self::kinds).collect(),
             Self::Up(_) | Self::Down(_) | Self::Ended(_) => return Vec::new(),
         };

@@ -10,7 +10,7 @@ use ltbw::protocol::{Config, Correct, Rules};
 use ltbw::refine::{Refined, Refiner};
 use ltbw::refining::{Ending, simulate_rounds};
 use ltbw::simulate::{Network, Options};
-use ltbw_generate::{DomainKind, Shape, generate_domain};
+use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
 use ltbw_models::report::row;
 use ltbw_models::variants::{Defect, KnownBad};
 
@@ -34,6 +34,16 @@ fn case(kind: DomainKind, volume: f64) -> Case {
     let domain = generate_domain(kind, &Shape::default()).expect("a shape");
     let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
     let refiner = Refiner::new().max_volume(volume).start(1);
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+}
+
+/// A torus with patches.
+fn patched_case() -> Case {
+    let domain = surfaces::single(surfaces::torus(10));
+    let options = PrepareOptions { oriented: true, ..PrepareOptions::default() };
+    let ready = domain.prepare(&options).expect("a sound domain");
+    let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(1e-3).start(64);
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
     Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
 }
@@ -112,6 +122,12 @@ fn rounds_with_a_broken_rule_are_caught() {
         assert_eq!(run::<Correct>(&fine[0], of), Ok(()), "{of:?}");
     }
     caught(Defect::RashChoice, &fine);
+    let patched = [patched_case()];
+    for of in RUNS {
+        assert_eq!(run::<Correct>(&patched[0], of), Ok(()), "{of:?}");
+    }
+    caught(Defect::Unlabelled, &patched);
+    caught(Defect::OneWaveOfProbes, &patched);
     // Most of its runs do not end.
     caught(Defect::EqualKeys, &all[1..2]);
 }

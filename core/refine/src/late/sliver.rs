@@ -9,6 +9,7 @@ use crate::mesh::item::Item;
 use crate::mesh::key::sorted;
 use crate::mesh::state::State;
 use crate::queue::split::Refinement;
+use crate::rules::bounded::Bounded;
 use crate::rules::verdict::Judge;
 use crate::rules::way::FACES;
 use crate::thin::Thin;

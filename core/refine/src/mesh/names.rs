@@ -7,7 +7,7 @@
 //! is. Triangles of three corners are as they were at the start: all new ones have a new vertex.
 //!
 //! Facets that are patches within a tolerance have no plane: their subfaces are where the label
-//! changes.
+//! changes (`patches/surface.rs`).
 
 use super::marks::{ENDS, edge_bit, face_bit};
 use super::state::{FACE, State};
@@ -66,13 +66,14 @@ impl Names {
         }
     }
 
-    /// The facet that a triangle of the mesh is on, if it is a subface.
+    /// The facet that a triangle of the mesh is on, if it is a subface, but not of a patch.
     pub(crate) fn facet(&self, plc: &Plc, corners: [(Carrier, Point); 3]) -> Option<u32> {
         let carriers = corners.map(|(carrier, _)| carrier);
         if carriers.contains(&Carrier::Free) {
             return None;
         }
-        let on_all = |&f: &u32| carriers.iter().all(|&carrier| plc.lies_on(carrier, f));
+        let on_all =
+            |&f: &u32| !plc.is_patch(f) && carriers.iter().all(|&carrier| plc.lies_on(carrier, f));
         let inside = carriers.iter().find_map(|&carrier| match carrier {
             Carrier::Facet(f) => Some(f),
             _ => None,
@@ -98,7 +99,7 @@ impl Names {
     }
 
     /// Does a mark, or an entry of a table, of an edge or face of tetrahedron `t` differ from what
-    /// the carriers tell? The faces of patches do not count.
+    /// the carriers, and at patches the labels, tell?
     pub(crate) fn differ(&self, state: &State, t: TetId) -> bool {
         let (plc, v, word) = (&state.plc, state.vertices(t), state.marks.of(t));
         let carrier = |k: usize| match v[k] {
@@ -113,11 +114,12 @@ impl Names {
         let is_other_face = |(slot, face): (usize, [usize; 3])| {
             let [a, b, c] = face.map(|k| v[k]);
             let known = state.subfaces.get(&triangle(a, b, c)).copied();
-            if face.iter().any(|&k| v[k] == INFINITE) || known.is_some_and(|f| plc.is_patch(f)) {
+            if face.iter().any(|&k| v[k] == INFINITE) {
                 return false;
             }
-            let name = self.facet(plc, face.map(|k| (carrier(k), state.at(v[k]))));
-            let name = name.filter(|&f| !plc.is_patch(f));
+            let corners = face.map(|k| (carrier(k), state.at(v[k])));
+            let labels = [t, state.neighbours(t)[slot]].map(|t| state.marks.region(t));
+            let name = self.facet(plc, corners).or_else(|| plc.patch_at(corners, slot, labels));
             name != known || name.is_some() != (word & face_bit(slot) != 0)
         };
         ENDS.into_iter().any(is_other_edge) || FACE.into_iter().enumerate().any(is_other_face)

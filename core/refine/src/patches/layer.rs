@@ -11,6 +11,7 @@
 
 use crate::complex::carrier::Carrier;
 use crate::complex::patch::Sides;
+use crate::complex::plc::Plc;
 use crate::mesh::marks::{DUST, face_bit};
 use crate::mesh::state::{FACE, State};
 use crate::mesh::tiles::{Found, Tile};
@@ -285,15 +286,17 @@ impl State {
 
     /// Are all four corners on one patch? Those of a ghost are not.
     pub(crate) fn is_flat(&self, v: [VertexId; 4]) -> bool {
-        if v[3] == INFINITE || self.carriers[v[0].index()] == Carrier::Free {
-            return false;
-        }
-        let mut patches = self.plc.facets_of(&self.carriers[v[0].index()]).to_vec();
-        patches.retain(|&f| {
-            let on = |v: &VertexId| self.lies_on(self.carriers[v.index()], f);
-            self.is_patch(f) && v[1..].iter().all(on)
-        });
-        !patches.is_empty()
+        v[3] != INFINITE && self.plc.is_flat(|k| self.carriers[v[k].index()])
+    }
+}
+
+impl Plc {
+    /// Are all four corners of a tetrahedron, which live there, on one patch?
+    pub(crate) fn is_flat(&self, carrier: impl Fn(usize) -> Carrier) -> bool {
+        let first = carrier(0);
+        let on = |f: u32| (1..4).all(|k| self.lies_on(carrier(k), f));
+        let mut all = self.facets_of(&first).iter();
+        first != Carrier::Free && all.any(|&f| self.is_patch(f) && on(f))
     }
 }
 

@@ -17,13 +17,16 @@
 //! below. That is no loss: the other faces of the dust become the subfaces, under the same
 //! condition, and the new tetrahedra on them belong to the inner side.
 
+use crate::complex::carrier::Carrier;
 use crate::complex::patch::Sides;
+use crate::complex::plc::Plc;
 use crate::mesh::facet::Change;
 use crate::mesh::marks::face_bit;
 use crate::mesh::state::{FACE, Place, State};
-use crate::mesh::survey::{Face, Survey};
+use crate::mesh::survey::Face;
 use crate::mesh::tiles::is_above;
-use crate::rules::bounded::InMesh;
+use crate::rules::bounded::Bounded;
+use crate::rules::verdict::Judge;
 use crate::table::{Map, edge, sides, triangle};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Point;
@@ -41,51 +44,97 @@ struct Wall {
     raised: Option<u32>,
 }
 
-impl State {
+/// The new point: a number that no vertex has.
+const NEW: VertexId = VertexId::new(u32::MAX);
+
+impl Plc {
     /// The labels on both sides of facet `f`, if it is a patch and they are known.
     fn sides_of(&self, f: u32) -> Option<Sides> {
-        self.plc.facets[f as usize].patch.as_ref()?.sides
+        self.facets[f as usize].patch.as_ref()?.sides
     }
 
+    /// The patch of which a face of a mesh is a subface. It is given as the face of a tetrahedron
+    /// opposite a slot, with the labels of that tetrahedron and of the one beyond. While nothing is
+    /// missing the label changes at the subfaces of patches only.
+    pub(crate) fn patch_at(
+        &self,
+        corners: [(Carrier, Point); 3],
+        slot: usize,
+        labels: [u32; 2],
+    ) -> Option<u32> {
+        let [(first, a), (_, b), (_, c)] = &corners;
+        if labels[0] == labels[1] {
+            return None;
+        }
+        let is_between = |f: &u32| {
+            let Some(patch) = &self.facets[*f as usize].patch else { return false };
+            let Some(sides) = patch.sides else { return false };
+            let on_all = corners.iter().all(|&(carrier, _)| self.lies_on(carrier, *f));
+            on_all && {
+                let turn = patch.turn([a, b, c]);
+                let inwards = is_above(slot, turn) == sides.upwards;
+                let [own, other] = labels;
+                let known = if inwards { [own, other] } else { [other, own] };
+                turn != 0 && known == [sides.inner, sides.outer]
+            }
+        };
+        let all = || self.facets_of(first).iter().copied().filter(is_between);
+        let mut several = all();
+        match (several.next(), several.next()) {
+            (one, None) => one,
+            // Its corners are on the sides that patches have in common: it is within one of them.
+            _ => all().find(|&f| {
+                let patch = self.facets[f as usize].patch.as_ref();
+                patch.is_some_and(|patch| patch.holds_triangle([a, b, c]))
+            }),
+        }
+    }
+}
+
+impl State {
     /// Is facet `f` one whose triangulation is kept? Of patches that is so in joint steps only,
     /// where something is missing and labels are not certain.
     pub(crate) fn is_planned(&self, f: u32) -> bool {
         !self.is_patch(f) || self.journal.is_some()
     }
+}
 
-    /// The changes that a point with this closure makes to the patches that it lies on, given those
-    /// to the other facets; `None` if it leaves a patch torn. `split`: the subsegment that it
-    /// divides.
+impl<B: Bounded> Judge<'_, B> {
+    /// The changes that the point makes to the patches that it lies on, given those to the other
+    /// facets; `None` if it leaves a patch torn. `split`: the subsegment that it divides.
     ///
     /// While the boundary is recovered there are no changes: layers are looked for afterwards.
-    pub(crate) fn plan_patches<T: Copy + Ord>(
+    pub(crate) fn plan_patches(
         &self,
-        (closure, survey): (InMesh<'_>, &Survey<T>),
         place: &Place,
         split: Option<[VertexId; 2]>,
         others: &[Change],
     ) -> Option<Vec<Change>> {
-        if self.journal.is_some() {
+        let (plc, survey) = (self.closure.plc(), self.survey);
+        if self.closure.state().is_some_and(|state| state.journal.is_some()) {
             return Some(Vec::new());
         }
-        let facets = self.plc.facets_of(&place.carrier).iter();
-        let patches: Vec<u32> = facets.copied().filter(|&f| self.is_patch(f)).collect();
-        if patches.iter().any(|&f| self.sides_of(f).is_none()) {
+        let facets = plc.facets_of(&place.carrier).iter();
+        let patches: Vec<u32> = facets.copied().filter(|&f| plc.is_patch(f)).collect();
+        if patches.iter().any(|&f| plc.sides_of(f).is_none()) {
             return Some(Vec::new());
         }
         let stays = |s: &[VertexId; 3]| !others.iter().any(|c| c.removed.contains(s));
-        let foreign = |face: &&Face<T>| !patches.contains(&face.facet) && stays(&face.key);
+        let foreign = |face: &&Face<B::Tet>| !patches.contains(&face.facet) && stays(&face.key);
+        if patches.is_empty() && !survey.inner().any(|face| plc.is_patch(face.facet)) {
+            return Some(Vec::new());
+        }
         let mut lost: Vec<u32> = survey.inner().filter(foreign).map(|face| face.facet).collect();
         lost.sort_unstable();
         lost.dedup();
         if patches.is_empty() && lost.is_empty() {
             return Some(Vec::new());
         }
-        if lost.iter().all(|&f| self.sides_of(f).is_some()) {
+        if lost.iter().all(|&f| plc.sides_of(f).is_some()) {
             let places = [&patches[..], &lost];
             let plan = |dust: bool| {
-                let walls = self.labelled_walls(closure, places, dust)?;
-                self.plan_labels((&walls, survey), &place.p, places, split, others)
+                let walls = self.labelled_walls(places, dust)?;
+                self.plan_labels(&walls, &place.p, places, split, others)
             };
             let planned = plan(true).or_else(|| plan(false));
             if planned.is_some() || lost.is_empty() {
@@ -103,9 +152,9 @@ impl State {
 
     /// The plan by the labels that walls would have, for patches that the point is on, and others
     /// that it takes subfaces of.
-    fn plan_labels<T: Copy + Ord>(
+    fn plan_labels(
         &self,
-        (walls, survey): (&[Wall], &Survey<T>),
+        walls: &[Wall],
         p: &Point,
         [patches, lost]: [&[u32]; 2],
         split: Option<[VertexId; 2]>,
@@ -114,7 +163,7 @@ impl State {
         let all = || patches.iter().chain(lost);
         let mut changes: Vec<Change> = all().map(|&f| Change::of(f)).collect();
         let place = |f: u32| all().position(|&g| g == f);
-        for face in survey.inner() {
+        for face in self.survey.inner() {
             if let Some(k) = place(face.facet) {
                 changes[k].removed.push(face.key);
             }
@@ -156,34 +205,29 @@ impl State {
         whole.then_some(changes)
     }
 
-    /// The walls of a cavity with the labels of their new tetrahedra, `dust` by its rule or not;
+    /// The walls of the cavity with the labels of their new tetrahedra, `dust` by its rule or not;
     /// `None` if some that changes sides meets a third one.
-    fn labelled_walls(
-        &self,
-        closure: InMesh<'_>,
-        [patches, lost]: [&[u32]; 2],
-        dust: bool,
-    ) -> Option<Vec<Wall>> {
-        let wall = |(t, slot): (TetId, usize)| {
-            let v = self.vertices(t);
+    fn labelled_walls(&self, [patches, lost]: [&[u32]; 2], dust: bool) -> Option<Vec<Wall>> {
+        let (closure, plc) = (&self.closure, self.closure.plc());
+        let wall = |(t, slot): (B::Tet, usize)| {
+            let v = closure.vertices(t);
             let [a, b, c] = FACE[slot].map(|k| v[k]);
-            let (corners, own) = (triangle(a, b, c), self.marks.region(t));
+            let (corners, own) = (triangle(a, b, c), closure.region(t));
             let mut wall = Wall { corners, label: own, left: None, raised: None };
-            let is_marked = self.marks.of(t) & face_bit(slot) != 0;
-            let facet = || self.subfaces.get(&corners).copied();
+            let facet = closure.facet_at(t, slot);
             if let Some((f, label)) = self.dust_of(t, lost) {
                 wall.label = label;
-                let beyond = || self.marks.region(self.neighbours(t)[slot]);
-                match is_marked {
-                    true if beyond() != label => return None,
-                    true => wall.left = Some(facet().filter(|f| lost.contains(f))?),
-                    false => wall.raised = Some(f),
+                let beyond = || closure.beyond(t, slot).map(|other| closure.region(other));
+                match facet {
+                    Some(_) if beyond() != Some(label) => return None,
+                    Some(f) => wall.left = Some(Some(f).filter(|f| lost.contains(f))?),
+                    None => wall.raised = Some(f),
                 }
                 return Some(wall);
             }
-            if dust && is_marked {
-                let patch = facet().filter(|f| patches.contains(f));
-                let outer = patch.and_then(|f| self.sides_of(f)).map(|sides| sides.outer);
+            if dust {
+                let patch = facet.filter(|f| patches.contains(f));
+                let outer = patch.and_then(|f| plc.sides_of(f)).map(|sides| sides.outer);
                 if let Some(outer) = outer.filter(|&outer| outer != own) {
                     wall.label = outer;
                     wall.left = patch;
@@ -195,20 +239,24 @@ impl State {
     }
 
     /// The patch among some that `t` is dust of, on the outer side, and the label of the inner one.
-    fn dust_of(&self, t: TetId, patches: &[u32]) -> Option<(u32, u32)> {
-        let region = self.marks.region(t);
+    fn dust_of(&self, t: B::Tet, patches: &[u32]) -> Option<(u32, u32)> {
+        let region = self.closure.region(t);
         let of = |&f: &u32| {
-            let sides = self.sides_of(f).filter(|sides| sides.outer == region)?;
-            let on = |&v: &VertexId| v != INFINITE && self.lies_on(self.carriers[v.index()], f);
-            self.vertices(t).iter().all(on).then_some((f, sides.inner))
+            let sides = self.closure.plc().sides_of(f).filter(|sides| sides.outer == region)?;
+            self.closure.vertices(t).iter().all(|&v| self.is_on(v, f)).then_some((f, sides.inner))
         };
         patches.iter().find_map(of)
     }
 
+    /// Does a vertex lie on facet `f`?
+    fn is_on(&self, v: VertexId, f: u32) -> bool {
+        v != INFINITE && self.closure.plc().lies_on(self.closure.carrier(v), f)
+    }
+
     /// Is `p` on the inner side of a face in patch `f` that is not nothing in the projection?
     fn faces_inwards(&self, f: u32, corners: [VertexId; 3], p: &Point) -> bool {
-        let Some(patch) = &self.plc.facets[f as usize].patch else { return false };
-        let [a, b, c] = corners.map(|v| self.at(v));
+        let Some(patch) = &self.closure.plc().facets[f as usize].patch else { return false };
+        let [a, b, c] = corners.map(|v| self.closure.at(v));
         let turn = patch.turn([&a, &b, &c]);
         let above = match orient3d(&a, &b, &c, p) {
             Sign::Positive => turn > 0,
@@ -221,18 +269,18 @@ impl State {
     /// May the face of `p` and the edge of two walls be a subface of patch `f`: are its corners on
     /// it, and is the inner side where it belongs?
     fn fits(&self, p: &Point, f: u32, [a, b]: [VertexId; 2], walls: [&Wall; 2]) -> bool {
-        let Some(patch) = &self.plc.facets[f as usize].patch else { return false };
+        let Some(patch) = &self.closure.plc().facets[f as usize].patch else { return false };
         let Some(sides) = patch.sides else { return false };
-        let on = |v: VertexId| self.lies_on(self.carriers[v.index()], f);
         let labels = walls.map(|wall| wall.label);
-        if !on(a) || !on(b) || !labels.contains(&sides.inner) || !labels.contains(&sides.outer) {
+        let are_sides = labels.contains(&sides.inner) && labels.contains(&sides.outer);
+        if !self.is_on(a, f) || !self.is_on(b, f) || !are_sides {
             return false;
         }
         let inner = walls[usize::from(labels[0] != sides.inner)];
         let Some(apex) = inner.corners.into_iter().find(|&v| v != a && v != b) else {
             return false;
         };
-        let [a, b, apex] = [a, b, apex].map(|v| self.at(v));
+        let [a, b, apex] = [a, b, apex].map(|v| self.closure.at(v));
         let turn = patch.turn([p, &a, &b]);
         let above = match orient3d(p, &a, &b, &apex) {
             Sign::Positive => turn > 0,
@@ -244,10 +292,8 @@ impl State {
 
     /// Do what goes and what comes have one outline, but for the subsegment that is split?
     fn keeps_outline(&self, change: &Change, split: Option<[VertexId; 2]>) -> bool {
-        // The new point has a number that no vertex has.
-        let new = VertexId::at(self.carriers.len());
         let mut counts: Map<[VertexId; 2], [u32; 2]> = Map::default();
-        let added = change.rim.iter().map(|&[a, b]| triangle(a, b, new));
+        let added = change.rim.iter().map(|&[a, b]| triangle(a, b, NEW));
         let added = added.chain(change.raised.iter().copied());
         for (k, list) in [change.removed.clone(), added.collect()].into_iter().enumerate() {
             for (side, _) in list.into_iter().flat_map(sides) {
@@ -255,25 +301,28 @@ impl State {
             }
         }
         if let Some([a, b]) = split {
-            let segment = self.segments.get(&[a, b]).map(|&s| &self.plc.segments[s as usize]);
+            let segment = self.closure.segment([a, b]);
+            let segment = segment.map(|s| &self.closure.plc().segments[s as usize]);
             let Some(segment) = segment else { return false };
             let polygons = if segment.twice.contains(&change.facet) { 2 } else { 1 };
             let counted = [
                 counts.remove(&[a, b]).unwrap_or_default(),
-                counts.remove(&edge(a, new)).unwrap_or_default(),
-                counts.remove(&edge(b, new)).unwrap_or_default(),
+                counts.remove(&edge(a, NEW)).unwrap_or_default(),
+                counts.remove(&edge(b, NEW)).unwrap_or_default(),
             ];
             if counted != [[polygons, 0], [0, polygons], [0, polygons]] {
                 return false;
             }
         }
         !change.removed.is_empty()
-            && counts.iter().all(|(side, &[gone, come])| match side.contains(&new) {
+            && counts.iter().all(|(side, &[gone, come])| match side.contains(&NEW) {
                 true => come == 2,
                 false => gone <= 2 && come <= 2 && (gone + come) % 2 == 0,
             })
     }
+}
 
+impl State {
     /// After the filling: gives the tetrahedra on walls that are subfaces no longer their labels.
     pub(crate) fn relabel_walls(&mut self, changes: &[Change]) {
         if changes.iter().all(|change| change.relabelled.is_empty()) {

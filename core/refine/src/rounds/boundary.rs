@@ -5,11 +5,11 @@
 
 use super::batch::{Prober, Unseen};
 use super::{CHECK_EVERY, Candidate, Look, Rounds};
-use crate::complex::carrier::Carrier;
 use crate::mesh::item::Item;
 use crate::mesh::state::Place;
 use crate::outcome::Reason;
 use crate::rules::aim::{ATTEMPTS, Aim};
+use crate::rules::turns::Held;
 use crate::rules::verdict::Verdict;
 use crate::rules::watch::Watch;
 use ltbw_core::PredicateStats;
@@ -168,7 +168,7 @@ impl Rounds<'_, '_> {
             let from = state.holder(state.start_near(near), &place.p);
             let Some(place) = from.map(|from| Place { from, ..place }) else { continue };
             // Points in turns mostly have to wait: a search ends where one was taken before.
-            let bars = |t: TetId| self.in_waves && self.is_taken(t, place.carrier);
+            let bars = |t: TetId| self.in_waves && self.bars(t, place.carrier);
             let seen = match prober.see(state, &place, bars) {
                 Ok(seen) => seen,
                 Err(Unseen::Vertex) => continue,
@@ -186,13 +186,6 @@ impl Rounds<'_, '_> {
             return Looked::Found(Found { place, cavity, watch, verdict });
         }
         Looked::Refused(state.unserved(item))
-    }
-
-    /// Rule (d) for points in turns: is a slot in the cavity of a point that was taken before, and
-    /// is not of the same segment or facet?
-    fn is_taken(&self, t: TetId, carrier: Carrier) -> bool {
-        let other = self.reserved.holder(t).map(|other| &self.choice.candidates[other]);
-        other.is_some_and(|other| !other.place.carrier.is_with(carrier))
     }
 
     /// Makes an item that may be split a candidate; `list` has its cavity.

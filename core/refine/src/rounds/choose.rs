@@ -9,16 +9,14 @@
 //! with a larger key waits for the next round, unless both points are on one segment, or in one
 //! facet and the cavity there has not this subface.
 
-use super::{CHECK_EVERY, Candidate, Class, Look, Rounds};
+use super::{CHECK_EVERY, Class, Look, Rounds};
+use crate::complex::carrier::Carrier;
 use crate::mesh::item::Item;
-use crate::rules::choice::Rival;
+use crate::rules::turns::{Contender, Held, next_wave};
 use ltbw_core::topology::TetId;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
-/// At patches each wave of probes has twice the ranks of the wave before it, the first has one, up
-/// to this number; then come all others.
-const SMALL: usize = 64;
 /// Tetrahedra are split in one round with boundary items where they were at least this number for
 /// each of these, when last counted.
 const BESIDE: usize = if cfg!(test) { 1 } else { 32 };
@@ -64,7 +62,10 @@ impl Rounds<'_, '_> {
         self.check_blocks();
         let of_tets = self.reserved.of_tets();
         let (start, all) = (of_tets.start as usize, of_tets.end as usize);
-        let (mut first, mut wave) = (start, if self.in_waves { 1 } else { ranks.len() });
+        let (mut first, mut wave) = (start, ranks.len());
+        if self.in_waves {
+            wave = next_wave(0, all);
+        }
         while first < all {
             let has = |k: u32| (first..first + wave).contains(&(ranks[k as usize] as usize));
             // Of the first wave nobody knows yet whether it is killed.
@@ -81,7 +82,7 @@ impl Rounds<'_, '_> {
                 batches.into_iter().for_each(|batch| self.take_batch(batch));
             }
             first += wave;
-            wave = if wave < SMALL { 2 * wave } else { all };
+            wave = next_wave(wave, all);
         }
         if self.reserved.has_alone() {
             self.choose_in_turns();
@@ -151,47 +152,51 @@ impl Rounds<'_, '_> {
         self.reserved.reserve(candidate.rank, self.choice.cavity_of(candidate), true);
     }
 
-    /// Has a candidate's closure slots in the cavities of those before it, if one of the two has to
-    /// be alone?
-    fn is_crowded(&self, own: &Candidate) -> bool {
-        let is_met = |t: TetId| {
-            let before = self.reserved.rival(t, own.rank);
-            before.is_some_and(|other| own.alone || self.reserved.is_alone(other))
-        };
-        self.reserved.has_alone() && self.has_in_closure(own, is_met)
-    }
-
-    /// Has a candidate's closure a slot of this kind?
-    pub(super) fn has_in_closure(&self, own: &Candidate, is: impl Fn(TetId) -> bool) -> bool {
-        let mut cavity = self.choice.cavity_of(own).iter();
-        cavity.any(|&t| is(t) || self.neighbours(t).into_iter().any(&is))
-    }
-
-    /// The rival that a candidate has at slot `t`.
-    fn rival(&self, own: &Candidate, t: TetId) -> Rival {
-        let Some(other) = self.reserved.rival(t, own.rank) else { return Rival::default() };
-        // Boundary items have the first ranks, in the order of the candidates.
-        let is_boundary = other < self.reserved.of_boundary().end as usize;
-        let carrier = || self.choice.candidates[other].place.carrier;
-        let is_apart = is_boundary && !carrier().is_with(own.place.carrier);
-        Rival { is_there: true, is_boundary, is_apart }
-    }
-
     /// Is a candidate killed by none before it, and loses no item together with others?
     pub(super) fn survives(&self, k: usize) -> bool {
         let own = &self.choice.candidates[k];
         if matches!(own.item, Item::Tet(t, _) if self.reserved.has_rival(t, own.rank)) {
             return false;
         }
-        // Without candidates of the boundary it does not matter who else is near.
-        let has_boundary = !self.reserved.of_boundary().is_empty();
-        let cavity = if has_boundary { self.choice.cavity_of(own) } else { &[] };
-        let closure = cavity.iter().flat_map(|&t| self.neighbours(t).into_iter().chain([t]));
-        let rival = |t: TetId| self.rival(own, t);
-        let waits = own.watch.as_ref().is_some_and(|watch| watch.yields(closure, rival));
+        let contender = Contender {
+            rank: own.rank as usize,
+            tet: None,
+            carrier: own.place.carrier,
+            watch: own.watch.as_ref(),
+            is_alone: own.alone,
+        };
+        let cavity = self.choice.cavity_of(own);
+        let closure = || cavity.iter().flat_map(|&t| self.neighbours(t).into_iter().chain([t]));
+        let waits = contender.waits(self, closure);
         #[cfg(test)]
         assert_eq!(waits, self.waits_by_the_mesh(own), "rules (b) to (d) for {own:?}");
-        !waits && !self.is_crowded(own)
+        !waits && !contender.is_crowded(self, closure)
+    }
+}
+
+impl Held for Rounds<'_, '_> {
+    type Tet = TetId;
+
+    #[inline(always)]
+    fn holder(&self, t: TetId) -> Option<usize> {
+        self.reserved.holder(t)
+    }
+
+    fn is_alone(&self, rank: usize) -> bool {
+        self.reserved.is_alone(rank)
+    }
+
+    fn has_alone(&self) -> bool {
+        self.reserved.has_alone()
+    }
+
+    fn of_boundary(&self) -> usize {
+        self.reserved.of_boundary().end as usize
+    }
+
+    /// Boundary items have the first ranks, in the order of the candidates.
+    fn carrier(&self, rank: usize) -> Carrier {
+        self.choice.candidates[rank].place.carrier
     }
 }
 

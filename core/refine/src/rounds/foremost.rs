@@ -7,6 +7,7 @@ use crate::complex::measure::Shape;
 use crate::mesh::item::Item;
 use crate::mesh::key::order_key;
 use crate::mesh::state::State;
+use crate::rules::turns::Group;
 use crate::table::Map;
 use ltbw_core::order::hilbert;
 use ltbw_core::topology::{TetId, VertexId};
@@ -28,22 +29,6 @@ pub(super) struct Foremost {
     pub(super) centre: Option<Point>,
     /// The number of those whose circumspheres are nearly its own.
     group: u32,
-}
-
-/// The place of a circumsphere among those that are nearly equal: the power of two below its
-/// radius, and the cell of its centre in a grid of half of that.
-type GroupKey = (i32, [i64; 3]);
-
-/// Where 0 is in its cell of the grid.
-const SHIFT: f64 = 0.382;
-
-/// Two spheres of one group hold each other's centres: their radii are from s to 2s, and their
-/// centres at most s √3/2 apart.
-fn group_of(centre: &Point, radius: f64) -> GroupKey {
-    let exponent = (radius.to_bits() >> 52) as i32;
-    let half = f64::from_bits(((exponent - 1).max(1) as u64) << 52);
-    // Domains with a middle have it at 0, which is in one cell.
-    (exponent, centre.map(|c| (c / half + SHIFT).floor() as i64))
 }
 
 /// The tetrahedra that come before all around them.
@@ -88,7 +73,7 @@ impl Rounds<'_, '_> {
     /// their circumspheres.
     fn find_leaders(&mut self) {
         let mut foremost = std::mem::take(&mut self.front.foremost);
-        let mut numbers: Map<GroupKey, u32> = Map::default();
+        let mut numbers: Map<Group, u32> = Map::default();
         let leaders = &mut self.front.leaders;
         leaders.clear();
         for k in 0..foremost.len() {
@@ -96,7 +81,7 @@ impl Rounds<'_, '_> {
             let next = leaders.len() as u32;
             let group = match own.centre.filter(|_| self.front.in_groups) {
                 Some(centre) => {
-                    *numbers.entry(group_of(&centre, own.shape.radius())).or_insert(next)
+                    *numbers.entry(Group::of(&centre, own.shape.radius())).or_insert(next)
                 }
                 None => next,
             };

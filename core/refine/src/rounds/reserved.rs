@@ -85,13 +85,6 @@ impl Reserved {
         self.words.at(t) > self.free + self.count - rank
     }
 
-    /// The rank of the foremost candidate with slot `t` in its cavity, if that comes before the one
-    /// of this rank. As long as no slot is written.
-    #[inline(always)]
-    pub(super) fn rival(&self, t: TetId, rank: u32) -> Option<usize> {
-        self.holder(t).filter(|&other| other < rank as usize)
-    }
-
     /// The rank of the foremost candidate with slot `t` in its cavity, before any is written.
     #[inline(always)]
     pub(super) fn holder(&self, t: TetId) -> Option<usize> {

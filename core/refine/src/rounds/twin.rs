@@ -18,7 +18,8 @@ impl Rounds<'_, '_> {
         let boundary = self.reserved.of_boundary().end;
         let is_beside = |t: TetId| self.reserved.has_rival(t, boundary);
         let is_apart = |t: TetId| {
-            let other = self.reserved.rival(t, own.rank).map(|k| &self.choice.candidates[k]);
+            let other = self.reserved.holder(t).filter(|&other| other < own.rank as usize);
+            let other = other.map(|k| &self.choice.candidates[k]);
             other.is_some_and(|other| !other.place.carrier.is_with(own.place.carrier))
         };
         match own.item {
@@ -36,6 +37,12 @@ impl Rounds<'_, '_> {
             }
             Item::Segment(_) => self.loses_jointly(own) || self.has_in_closure(own, is_apart),
         }
+    }
+
+    /// Has a candidate's closure a slot of this kind?
+    fn has_in_closure(&self, own: &Candidate, is: impl Fn(TetId) -> bool) -> bool {
+        let mut cavity = self.choice.cavity_of(own).iter();
+        cavity.any(|&t| is(t) || self.neighbours(t).into_iter().any(&is))
     }
 
     /// Rules (b) and (c): does a candidate touch a face or edge that it could take out of the mesh

@@ -2,6 +2,7 @@
 
 use super::choice::{BoundaryItem, Corner};
 use super::complex::Complex;
+use crate::complex::carrier::Carrier;
 use crate::complex::measure::Shape;
 use crate::mesh::key::sorted;
 use crate::mesh::state::FACE;
@@ -50,18 +51,32 @@ impl Complex<'_> {
     }
 
     /// The sides of a tetrahedron that are on the boundary, the first one by coordinates first.
-    pub fn sides_of(&self, tet: [Corner; 4]) -> Vec<BoundaryItem> {
-        let mut sides: Vec<BoundaryItem> = Vec::new();
-        for face in FACE {
-            sides.extend(self.item_at(face.map(|slot| tet[slot])));
-        }
+    /// `labels` tells its region and that beyond the face opposite a slot, if it is known.
+    pub fn sides_of(
+        &self,
+        tet: [Corner; 4],
+        labels: impl Fn(usize) -> Option<[u32; 2]>,
+    ) -> Vec<BoundaryItem> {
+        let side = |slot: usize| self.side_of(&tet, slot, || labels(slot));
+        let mut sides: Vec<BoundaryItem> = (0..4).filter_map(side).collect();
         sides.sort_by_cached_key(BoundaryItem::place);
         sides
     }
 
-    /// The subface with these corners, if they are those of one.
-    pub fn item_at(&self, corners: [Corner; 3]) -> Option<BoundaryItem> {
-        let of = self.facet(corners.map(|corner| (corner.carrier, corner.point)))?;
-        Some(BoundaryItem::new(&corners, of))
+    /// The subface opposite a slot of a tetrahedron, which is positively oriented, if there is one;
+    /// `labels` tells the region of the tetrahedron and that beyond, if it is known.
+    pub fn side_of(
+        &self,
+        tet: &[Corner; 4],
+        slot: usize,
+        labels: impl FnOnce() -> Option<[u32; 2]>,
+    ) -> Option<BoundaryItem> {
+        let face = FACE[slot].map(|k| tet[k]);
+        if face.iter().any(|corner| corner.carrier == Carrier::Free) {
+            return None;
+        }
+        let corners = face.map(|corner| (corner.carrier, corner.point));
+        let of = self.facet(corners).or_else(|| self.patch(corners, slot, labels))?;
+        Some(BoundaryItem::new(&face, of))
     }
 }

@@ -7,8 +7,9 @@ use super::surveyed::Surveyed;
 use crate::complex::carrier::Carrier;
 use crate::complex::plc::Plc;
 use crate::mesh::item::Item;
-use crate::mesh::marks::{ENDS, Word, edge_bit};
-use crate::mesh::state::State;
+use crate::mesh::marks::{ENDS, Word, edge_bit, face_bit};
+use crate::mesh::state::{FACE, State};
+use crate::table::triangle;
 use ltbw_core::search::Search;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_exact::Point;
@@ -42,15 +43,32 @@ pub(crate) trait Bounded {
     /// The coordinates of a vertex.
     fn at(&self, v: VertexId) -> Point;
 
+    /// Where a vertex lives that is not the one at infinity.
+    fn carrier(&self, v: VertexId) -> Carrier;
+
+    /// The region of a tetrahedron: its label, where there are patches.
+    fn region(&self, t: Self::Tet) -> u32;
+
     /// The tetrahedron beyond a face; it need not be told where fewer than two corners of the face
-    /// are on the boundary.
+    /// are on the boundary, unless there are patches.
     fn beyond(&self, t: Self::Tet, slot: usize) -> Option<Self::Tet>;
+
+    /// The faces of the cavity, each as a slot of the tetrahedron inside.
+    fn walls(&self) -> impl Iterator<Item = (Self::Tet, usize)> {
+        let is_wall =
+            |t: Self::Tet, slot: usize| self.beyond(t, slot).is_none_or(|other| !self.is_in(other));
+        let slots = move |t| (0..4).filter(move |&slot| is_wall(t, slot)).map(move |k| (t, k));
+        self.cavity().flat_map(slots)
+    }
 
     /// The faces and edges of a tetrahedron that may be on the boundary, as bits of its word.
     fn marks(&self, t: Self::Tet) -> Word;
 
-    /// The facet of a subface.
-    fn facet(&self, key: [VertexId; 3]) -> Option<u32>;
+    /// The facet of a subface, given as the face of a tetrahedron opposite a slot.
+    fn facet_at(&self, t: Self::Tet, slot: usize) -> Option<u32>;
+
+    /// The facet of a pending subface, where these are in a table.
+    fn pending_facet(&self, key: [VertexId; 3]) -> Option<u32>;
 
     /// The segment of a subsegment.
     fn segment(&self, key: [VertexId; 2]) -> Option<u32>;
@@ -83,14 +101,6 @@ impl<'s> InMesh<'s> {
     /// The cavity that a search has found.
     pub(crate) fn found(state: &'s State, search: &'s Search) -> Self {
         Self { state, found: Some(search) }
-    }
-
-    /// The faces of the cavity, each as a slot of the tetrahedron inside.
-    pub(crate) fn walls(&self) -> impl Iterator<Item = (TetId, usize)> {
-        self.cavity().flat_map(move |t| {
-            let beyond = self.state.neighbours(t);
-            (0..4).filter(move |&slot| !self.is_in(beyond[slot])).map(move |slot| (t, slot))
-        })
     }
 }
 
@@ -131,11 +141,27 @@ impl Bounded for InMesh<'_> {
         Some(tet_of(self.state.mesh.topology().at(t).neighbours()[slot]))
     }
 
+    fn carrier(&self, v: VertexId) -> Carrier {
+        self.state.carriers[v.index()]
+    }
+
+    fn region(&self, t: TetId) -> u32 {
+        self.state.marks.region(t)
+    }
+
     fn marks(&self, t: TetId) -> Word {
         self.state.marks.of(t)
     }
 
-    fn facet(&self, key: [VertexId; 3]) -> Option<u32> {
+    fn facet_at(&self, t: TetId, slot: usize) -> Option<u32> {
+        if self.state.marks.of(t) & face_bit(slot) == 0 {
+            return None;
+        }
+        let [a, b, c] = FACE[slot].map(|k| self.state.vertices(t)[k]);
+        self.state.subfaces.get(&triangle(a, b, c)).copied()
+    }
+
+    fn pending_facet(&self, key: [VertexId; 3]) -> Option<u32> {
         self.state.subfaces.get(&key).copied()
     }
 
@@ -246,6 +272,14 @@ impl<R: Surveyed> Bounded for ByValues<'_, R> {
         self.corner(v).point
     }
 
+    fn carrier(&self, v: VertexId) -> Carrier {
+        self.corner(v).carrier
+    }
+
+    fn region(&self, t: R::Tet) -> u32 {
+        self.closure.region(t)
+    }
+
     fn beyond(&self, t: R::Tet, slot: usize) -> Option<R::Tet> {
         self.closure.beyond(t, slot)
     }
@@ -267,8 +301,20 @@ impl<R: Surveyed> Bounded for ByValues<'_, R> {
         word
     }
 
-    fn facet(&self, key: [VertexId; 3]) -> Option<u32> {
-        self.complex.facet(key.map(|v| self.corner(v)).map(|own| (own.carrier, own.point)))
+    fn facet_at(&self, t: R::Tet, slot: usize) -> Option<u32> {
+        let v = self.vertices(t);
+        let face = FACE[slot].map(|k| v[k]);
+        if face.contains(&INFINITE) {
+            return None;
+        }
+        let corners = face.map(|v| self.corner(v)).map(|own| (own.carrier, own.point));
+        let label = |t: R::Tet| self.closure.region(t);
+        let beyond = || Some([label(t), label(self.beyond(t, slot)?)]);
+        self.complex.facet(corners).or_else(|| self.complex.patch(corners, slot, beyond))
+    }
+
+    fn pending_facet(&self, _: [VertexId; 3]) -> Option<u32> {
+        None
     }
 
     fn segment(&self, key: [VertexId; 2]) -> Option<u32> {

@@ -2,7 +2,7 @@
 //! alone: for engines whose mesh is on many processors.
 
 use super::bounded::{Bounded, ByValues};
-use super::choice::{BoundaryItem, Corner, Ruling};
+use super::choice::{BoundaryItem, Corner, Filled, Relabelled, Ruling};
 use super::complex::Complex;
 use super::record::Record;
 use super::surveyed::Surveyed;
@@ -48,7 +48,7 @@ impl<'c, R: Surveyed> Survey<'c, R> {
                 Some(BoundaryItem::new(&s.map(|v| self.closure.corner(v)), of))
             }
             Item::Subface(s) => {
-                let of = self.closure.facet(s)?;
+                let of = self.found.faces.iter().find(|face| face.key == s)?.facet;
                 Some(BoundaryItem::new(&s.map(|v| self.closure.corner(v)), of))
             }
             Item::Tet(..) => None,
@@ -75,22 +75,33 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         self.ruling(self.judge().on_free(&self.place))
     }
 
-    /// The verdict on a point of the boundary that is to split an item.
-    pub fn rule_on_item(&self, item: &BoundaryItem) -> Ruling {
+    /// The verdict on a point of the boundary that is to split an item; one of a facet is on it if
+    /// it `is_on`.
+    pub fn rule_on_item(&self, item: &BoundaryItem, is_on: bool) -> Ruling {
         let Some(own) = self.here(item) else { return Ruling::Useless };
-        self.ruling(self.judge().on_boundary(own, &self.place, true))
+        self.ruling(self.judge().on_boundary(own, &self.place, is_on))
+    }
+
+    /// The changes that come with the point by coordinates.
+    fn filled(&self, Filling { split, changes, .. }: &Filling) -> Filled {
+        let faces = changes.iter().flat_map(|change| &change.removed);
+        let faces = faces.map(|&s| Item::Subface(s));
+        let split = split.map(|(s, _)| Item::Segment(s));
+        let wall = |&(corners, region): &([VertexId; 3], u32)| Relabelled {
+            corners: corners.map(|v| self.closure.at(v)),
+            region,
+        };
+        Filled {
+            gone: faces.chain(split).filter_map(|item| self.named(item)).collect(),
+            relabelled: changes.iter().flat_map(|own| &own.relabelled).map(wall).collect(),
+            is_alone: changes.iter().any(|change| self.closure.plc().is_patch(change.facet)),
+        }
     }
 
     /// A verdict by the coordinates of items.
     fn ruling(&self, verdict: Verdict) -> Ruling {
-        let gone = |filling: Filling| {
-            let faces = filling.changes.iter().flat_map(|change| &change.removed);
-            let faces = faces.map(|&s| Item::Subface(s));
-            let split = filling.split.map(|(s, _)| Item::Segment(s));
-            faces.chain(split).filter_map(|item| self.named(item)).collect()
-        };
         match verdict {
-            Verdict::Fill(filling) => Ruling::Fill(gone(filling)),
+            Verdict::Fill(filling) => Ruling::Fill(self.filled(&filling)),
             Verdict::Defer(first) => {
                 Ruling::Defer(first.into_iter().filter_map(|item| self.named(item)).collect())
             }

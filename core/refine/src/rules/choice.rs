@@ -33,8 +33,10 @@ pub struct Closure {
     pub corners: Vec<Corner>,
     /// The tetrahedra by their corners, positively oriented, and whether each is in conflict with
     /// the point. One with fewer than two corners on the boundary (of a
-    /// boundary item: with none) may have none here.
+    /// boundary item: with none) may have none here, unless there are patches.
     pub tets: Vec<([u32; 4], bool)>,
+    /// The regions of these; none where there are no patches.
+    pub regions: Vec<u32>,
 }
 
 impl Closure {
@@ -192,12 +194,34 @@ impl BoundaryItem {
     }
 }
 
+/// A wall of a cavity whose new tetrahedron does not inherit its region.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relabelled {
+    /// Its corners.
+    pub corners: [Point; 3],
+    /// The region that the tetrahedron gets.
+    pub region: u32,
+}
+
+/// The changes that come with a point.
+#[doc(hidden)]
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Filled {
+    /// Items that go.
+    pub gone: Vec<BoundaryItem>,
+    /// Walls of the cavity whose tetrahedra do not inherit their region.
+    pub relabelled: Vec<Relabelled>,
+    /// Is a patch changed? Then the point is alone in its closure.
+    pub is_alone: bool,
+}
+
 /// The verdict on a point.
 #[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ruling {
-    /// It may be inserted, and these items go.
-    Fill(Vec<BoundaryItem>),
+    /// It may be inserted.
+    Fill(Filled),
     /// One of these items comes first: in rounds the first of them.
     Defer(Vec<BoundaryItem>),
     /// It cannot be.

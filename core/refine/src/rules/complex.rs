@@ -11,6 +11,7 @@ use crate::mesh::names::Names;
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::State;
 use crate::rules::aim::{Aim, Aims};
+use crate::rules::turns::Group;
 use ltbw_core::Random;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::{Mode, Point};
@@ -55,6 +56,7 @@ pub struct Complex<'a> {
     bounds: Bounds<'a>,
     floor: f64,
     names: Names,
+    has_patches: bool,
 }
 
 impl std::fmt::Debug for Complex<'_> {
@@ -128,7 +130,8 @@ impl Start {
 
 impl<'a> Complex<'a> {
     pub(crate) fn of(state: &State, bounds: Bounds<'a>, floor: f64) -> Self {
-        Self { plc: state.plc.clone(), bounds, floor, names: Names::of(state) }
+        let has_patches = state.plc.has_patches();
+        Self { plc: state.plc.clone(), bounds, floor, names: Names::of(state), has_patches }
     }
 
     /// The segment that an edge of the mesh between two vertices is on, if it is a subsegment.
@@ -136,9 +139,40 @@ impl<'a> Complex<'a> {
         self.names.segment(&self.plc, ends)
     }
 
-    /// The facet that a triangle of the mesh is on, if it is a subface.
+    /// The facet that a triangle of the mesh is on, if it is a subface, but not of a patch.
     pub fn facet(&self, corners: [(Carrier, Point); 3]) -> Option<u32> {
         self.names.facet(&self.plc, corners)
+    }
+
+    /// The patch of which a face of a tetrahedron is a subface, which is opposite a slot; `labels`
+    /// tells the regions of the tetrahedron and of the one beyond.
+    pub(crate) fn patch(
+        &self,
+        corners: [(Carrier, Point); 3],
+        slot: usize,
+        labels: impl FnOnce() -> Option<[u32; 2]>,
+    ) -> Option<u32> {
+        let is_on = self.has_patches && corners.iter().all(|own| own.0 != Carrier::Free);
+        if is_on { self.plc.patch_at(corners, slot, labels()?) } else { None }
+    }
+
+    /// Are all four corners of a finite tetrahedron, which live there, on one patch? Then it is over
+    /// no bound.
+    pub fn is_flat(&self, carrier: impl Fn(usize) -> Carrier) -> bool {
+        self.has_patches && self.plc.is_flat(carrier)
+    }
+
+    /// The group of the circumsphere of a tetrahedron, if it has one.
+    pub fn group_of(&self, corners: [Point; 4]) -> Option<Group> {
+        let corners = sorted(corners);
+        let [a, b, c, d] = &corners;
+        let shape = Shape::of([a, b, c, d]);
+        shape.circumcentre(d).map(|centre| Group::of(&centre, shape.radius()))
+    }
+
+    /// Has the domain patches? Then regions tell of the boundary.
+    pub fn has_patches(&self) -> bool {
+        self.has_patches
     }
 
     /// Is a tetrahedron of a region over its bounds? Its vertices are positively oriented.

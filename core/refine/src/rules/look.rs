@@ -90,7 +90,7 @@ impl<T: Copy + Ord> Survey<T> {
             }
             let [a, b, c] = FACE[slot].map(|k| v[k]);
             let key = triangle(a, b, c);
-            let Some(facet) = closure.facet(key) else { continue };
+            let Some(facet) = closure.facet_at(t, slot) else { continue };
             self.faces.push(Face { key, facet, sides: [Some(t), beyond], is_inner });
         }
     }
@@ -123,7 +123,7 @@ impl<T: Copy + Ord> Survey<T> {
                 Item::Segment(s) if !segments.contains(&s) && in_ball(s) => hit_segments.push(s),
                 Item::Subface(s)
                     if !subfaces.contains(&s)
-                        && closure.facet(s).is_some_and(|facet| off_in_ball(s, facet)) =>
+                        && closure.pending_facet(s).is_some_and(|facet| off_in_ball(s, facet)) =>
                 {
                     hit_subfaces.push(s);
                 }

@@ -7,7 +7,7 @@
 //! | `way`, `walk` | the way to it |
 //! | `bounded`, `look` | a closure, whoever has it; the boundary in its cavity |
 //! | `verdict`, `plan` | what follows for the point, and for the facets that it lies on |
-//! | `watch` | what keeps points of one round apart |
+//! | `watch`, `turns` | what keeps points of one round apart, and who of those is chosen |
 //! | `record` | what came of earlier proposals |
 //! | `complex`, `choice` | boundary, points, items and ranks as values |
 //! | `by_values`, `surveyed` | verdicts for a closure of which values are known |
@@ -22,6 +22,7 @@ pub(crate) mod look;
 pub(crate) mod plan;
 pub(crate) mod record;
 pub(crate) mod surveyed;
+pub(crate) mod turns;
 pub(crate) mod verdict;
 pub(crate) mod walk;
 pub(crate) mod watch;

@@ -22,7 +22,7 @@ use ltbw_exact::predicates::{Sign, perturb};
 impl<B: Bounded> Judge<'_, B> {
     /// Is facet `f` one whose triangulation is kept?
     pub(crate) fn is_planned(&self, f: u32) -> bool {
-        self.closure.state().is_none_or(|state| state.is_planned(f))
+        self.closure.state().map_or(!self.is_patch(f), |state| state.is_planned(f))
     }
 
     /// Is facet `f` a patch?
@@ -115,20 +115,6 @@ impl<B: Bounded> Judge<'_, B> {
         Some(rim)
     }
 
-    /// The changes that the point makes to patches, given those to other facets; `None` if it
-    /// leaves a patch torn.
-    pub(crate) fn patches(
-        &self,
-        place: &Place,
-        split: Option<[VertexId; 2]>,
-        others: &[Change],
-    ) -> Option<Vec<Change>> {
-        match self.closure.here() {
-            None => Some(Vec::new()),
-            Some(own) => own.state.plan_patches((own, self.survey), place, split, others),
-        }
-    }
-
     /// The changes to other facets, and with them those to patches.
     pub(crate) fn with_patches(
         &self,
@@ -136,7 +122,7 @@ impl<B: Bounded> Judge<'_, B> {
         split: Option<[VertexId; 2]>,
         mut others: Vec<Change>,
     ) -> Option<Vec<Change>> {
-        let patches = self.patches(place, split, &others)?;
+        let patches = self.plan_patches(place, split, &others)?;
         others.extend(patches);
         Some(others)
     }

@@ -26,8 +26,12 @@ pub trait Surveyed {
     /// A vertex, which is not [`NOWHERE`](crate::NOWHERE).
     fn corner(&self, v: u32) -> Corner;
 
+    /// The region of a tetrahedron; it need not be told where there are no patches.
+    fn region(&self, t: Self::Tet) -> u32;
+
     /// The tetrahedron beyond face `slot` of one in conflict, if that is in the closure, too. It
-    /// need not be told where fewer than two corners of the face are on the boundary.
+    /// need not be told where fewer than two corners of the face are on the boundary, unless there
+    /// are patches.
     fn beyond(&self, t: Self::Tet, slot: usize) -> Option<Self::Tet>;
 }
 
@@ -46,8 +50,12 @@ impl<'c> Collected<'c> {
         let mut own = Self { closure, at_face: Map::default() };
         for (k, (tet, _)) in closure.tets.iter().enumerate() {
             let bound = own.bound(k);
-            // A face that is marked, or has a marked edge, has two corners on the boundary.
-            let is_on = |face: &[usize; 3]| face.iter().filter(|&&slot| bound[slot]).count() > 1;
+            // A face that is marked, or has a marked edge, has two corners on the boundary. Where
+            // there are patches all walls count.
+            let has_labels = !closure.regions.is_empty();
+            let is_on = |face: &[usize; 3]| {
+                has_labels || face.iter().filter(|&&slot| bound[slot]).count() > 1
+            };
             if own.at_face.is_empty() && FACE.iter().any(is_on) {
                 own.at_face.reserve(closure.tets.len());
             }
@@ -81,6 +89,10 @@ impl Surveyed for Collected<'_> {
 
     fn corner(&self, v: u32) -> Corner {
         self.closure.corners[v as usize]
+    }
+
+    fn region(&self, t: usize) -> u32 {
+        self.closure.regions.get(t).copied().unwrap_or_default()
     }
 
     fn beyond(&self, t: usize, slot: usize) -> Option<usize> {

@@ -128,7 +128,7 @@ impl<'s, B: Bounded> Judge<'s, B> {
             _ if !is_on => None,
             true => self.planned(place, item).map(|mut changes| {
                 // A patch that would be torn is not changed.
-                let patches = self.patches(place, None, &changes);
+                let patches = self.plan_patches(place, None, &changes);
                 changes.extend(patches.into_iter().flatten());
                 changes
             }),
@@ -174,7 +174,7 @@ impl<'s, B: Bounded> Judge<'s, B> {
         let mut first = self.hits();
         let mut changes = Vec::new();
         if first.is_empty() {
-            changes = self.patches(place, None, &[]).unwrap_or_default();
+            changes = self.plan_patches(place, None, &[]).unwrap_or_default();
             first = self.losses(None, &changes);
         }
         match first.is_empty() {

@@ -87,7 +87,7 @@ impl<T: Copy + Ord> Survey<T> {
 
 /// The tetrahedra at which candidates that come before a point make it wait.
 #[doc(hidden)]
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Watch<T> {
     /// It waits if one of these has a rival.
     any: Vec<T>,
@@ -97,13 +97,18 @@ pub struct Watch<T> {
 }
 
 /// The rivals for which a point waits wherever they are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Anywhere {
     Boundary,
     Apart,
 }
 
 impl<T: Copy> Watch<T> {
+    /// The number of tetrahedra in it.
+    pub fn size(&self) -> usize {
+        self.any.len() + self.own.len()
+    }
+
     /// This watch over tetrahedra with other names, in the order of these.
     pub fn named<U: Ord>(&self, name: impl Fn(T) -> U) -> Watch<U> {
         let named = |all: &[T]| {

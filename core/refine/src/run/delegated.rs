@@ -122,7 +122,7 @@ impl<'a> Refiner<'a> {
         }
         let patched = run.refinement.state.plc.has_patches();
         let usual = if patched { START_WITH_PATCHES } else { START };
-        let is_for_others = wanted > 0 && run.fit().is_ok();
+        let is_for_others = wanted > 0 && run.fit_without_labels().is_ok();
         let start = match run.refinement.state.expected / TETS_PER_VERTEX {
             _ if !is_for_others => usual,
             0 => usual.max(wanted),
@@ -138,7 +138,7 @@ impl<'a> Delegated<'a> {
     /// The boundary and the bounds as values, and the mesh at the start.
     ///
     /// # Errors
-    /// [`ComplexError`] if there are patches or small angles, or nothing to do in rounds.
+    /// [`ComplexError`] if there are small angles, or nothing to do in rounds.
     pub fn complex(&self) -> Result<(Complex<'a>, Start), ComplexError> {
         self.check_fit()?;
         let complex = self.run.complex()?;
@@ -150,9 +150,10 @@ impl<'a> Delegated<'a> {
     /// a circle: for others that cannot do that.
     ///
     /// # Errors
-    /// As of [`Delegated::complex`], before anything is split; a run that stops while these are, or
+    /// As of [`Delegated::complex`], or if there are patches, before anything is split; a run that stops while these are, or
     /// a broken invariant.
     pub fn complex_without_circles(&mut self) -> Result<(Complex<'a>, Start), ComplexError> {
+        self.run.fit_without_labels()?;
         self.check_fit()?;
         self.run.part_circles()?;
         self.complex()
@@ -228,6 +229,10 @@ impl<'a> Delegated<'a> {
         own.inserted.points = own.state.number_all();
         own.inserted.next_number = own.state.carriers.len() as Vertex - 1;
         let found = own.state.enter_marks(&complex, &regions, !asked.is_empty());
+        let mut all = own.state.mesh.topology().iter().map(|(t, _)| t);
+        if complex.has_patches() && !own.state.is_labelled(&mut all) {
+            return Err(RefineError::Invariant { what: "regions change at the boundary alone" });
+        }
         let waiting = |asked: &Asked| {
             let &(item, near) = found.get(&asked.item.place())?;
             let first = asked.first.and_then(|first| Some(found.get(&first)?.0));
@@ -313,7 +318,13 @@ impl State {
         let enter = |mut found: Vec<_>, (t, tet): (TetId, &Tet)| {
             let v = tet.vertices();
             let region = if v[3] == INFINITE { 0 } else { regions[t.index()] };
-            let bits = this.named(complex, (v, &is_on), |item, of| found.push((item, of, t)));
+            let label = |t: TetId| match this.vertices(t)[3] {
+                INFINITE => 0,
+                _ => regions[t.index()],
+            };
+            let labels = |slot: usize| [t, this.neighbours(t)[slot]].map(label);
+            let tell = |item, of| found.push((item, of, t));
+            let bits = this.named(complex, (v, &is_on), labels, tell);
             this.marks.enter(t, region, bits);
             found
         };
@@ -340,11 +351,13 @@ impl State {
     }
 
     /// Tells the boundary items of a tetrahedron, each with its segment or facet, where `is_on`
-    /// says which vertices are on the boundary: the one at infinity is not. Returns its marks.
+    /// says which vertices are on the boundary: the one at infinity is not; and `labels` the
+    /// regions on both sides of a face. Returns its marks.
     fn named(
         &self,
         complex: &Complex<'_>,
         (v, is_on): ([VertexId; 4], &[bool]),
+        labels: impl Fn(usize) -> [u32; 2],
         mut tell: impl FnMut(Item, u32),
     ) -> Word {
         let carrier = |v: VertexId| self.carriers[v.index()];
@@ -363,10 +376,13 @@ impl State {
             }
         }
         for (slot, face) in FACE.into_iter().enumerate() {
+            if !face.iter().all(|&k| is_on[k]) {
+                continue;
+            }
             let [a, b, c] = face.map(|k| v[k]);
-            if face.iter().all(|&k| is_on[k])
-                && let Some(f) = complex.facet([a, b, c].map(|v| (carrier(v), self.at(v))))
-            {
+            let corners = [a, b, c].map(|v| (carrier(v), self.at(v)));
+            let patch = || complex.patch(corners, slot, || Some(labels(slot)));
+            if let Some(f) = complex.facet(corners).or_else(patch) {
                 tell(Item::Subface(triangle(a, b, c)), f);
                 bits |= face_bit(slot);
             }

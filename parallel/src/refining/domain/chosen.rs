@@ -92,11 +92,21 @@ pub(super) fn insert_chosen(
         for (k, &t) in inner.made_at_once().iter().enumerate() {
             // A ghost is in the exterior, as all ghosts of its cavity were.
             let region = whole.or_else(|| star.get(k).copied()).unwrap_or_default();
-            let is_ghost = region != 0 && inner.tets().vertices(t)[3] == INFINITE;
+            let v = inner.tets().vertices(t);
+            let is_ghost = region != 0 && v[3] == INFINITE;
             slots.put(t, if is_ghost { 0 } else { region });
         }
         if let Some(v) = inner.number(point.vertex.name) {
             carriers.set(v, point.carrier);
+            for &t in inner.made_at_once().iter().filter(|_| !point.labels.is_empty()) {
+                let corners = inner.tets().vertices(t);
+                let mut wall = corners.into_iter().filter(|&own| own != v && own != INFINITE);
+                if let (Some(a), Some(b), Some(c)) = (wall.next(), wall.next(), wall.next())
+                    && let Some(label) = point.label(&[a, b, c].map(|v| inner.tets().point(v)))
+                {
+                    slots.put(t, label);
+                }
+            }
         }
     }
     insert

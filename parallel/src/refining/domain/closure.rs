@@ -83,7 +83,7 @@ impl LockedClosure {
         let ruling = match point.carrier {
             Carrier::Free => survey.rule_on_tet(),
             Carrier::Segment(of, _) | Carrier::Facet(of) => match self.item(&point.item, of) {
-                Some(item) => survey.rule_on_item(&item),
+                Some(item) => survey.rule_on_item(&item, point.may),
                 None => Ruling::Useless,
             },
             Carrier::Corner(_) => Ruling::Useless,

@@ -3,7 +3,9 @@
 use super::closure::{Located, LockedClosure, LockedRuling};
 use super::mesh::DomainMesh;
 use super::regions::regions;
-use super::values::{Asked, BoundVertex, DomainPatch, DomainPiece, DomainPoint, End, subface_key};
+use super::values::{
+    Asked, BoundVertex, DomainPatch, DomainPiece, DomainPoint, End, Regions, subface_key,
+};
 use crate::mesh::Patch;
 use crate::protocol::{Directory, Name, Submesh, WorkerId};
 use ltbw_refine::Carrier;
@@ -28,7 +30,7 @@ impl DomainMesh<'_> {
         bound.sort_unstable_by_key(|&(name, _)| name);
         bound.dedup_by_key(|&mut (name, _)| name);
         let complete = |patch: Patch| {
-            let regions = match &found {
+            let mut regions: Regions = match &found {
                 Ok(region) => smallvec![*region],
                 Err(faces) => {
                     let name = |k: u32| patch.vertices[k as usize].name;
@@ -37,6 +39,16 @@ impl DomainMesh<'_> {
                     patch.create.iter().map(|new| of(new.v)).collect()
                 }
             };
+            if !point.labels.is_empty() {
+                let corner = |k: u32| patch.vertices[k as usize].point();
+                let inherited = std::mem::take(&mut regions);
+                let inherited = |k: usize| inherited.get(k).or(inherited.first()).copied();
+                let label = |(k, [_, a, b, c]): (usize, [u32; 4])| {
+                    let own = point.label(&[a, b, c].map(corner));
+                    own.or_else(|| inherited(k)).unwrap_or_default()
+                };
+                regions = (0..).zip(patch.create.iter().map(|new| new.v)).map(label).collect();
+            }
             let bound = if patch.vertices.is_empty() { Vec::new() } else { bound.clone() };
             DomainPatch { patch, bound, regions, ..nothing() }
         };

@@ -322,7 +322,8 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
         self.under_way.insert(name, entry);
         let vertex = WireVertex::new(name, p);
         let (item, seed) = (entry.key, entry.tet);
-        Some(DomainPoint { vertex, carrier, item, seed, may, is_chosen: false })
+        let labels = Box::default();
+        Some(DomainPoint { vertex, carrier, item, seed, may, is_chosen: false, labels })
     }
 
     fn is_empty(&self) -> bool {

@@ -33,6 +33,7 @@ mod values;
 pub(super) use describe::is_near;
 pub use list::{BadItems, Splits};
 pub use mesh::DomainMesh;
+pub(super) use values::WallRegion;
 pub use values::{DomainCargo, DomainPatch, DomainPiece, DomainPoint};
 
 use super::RefineError;

@@ -3,8 +3,10 @@
 
 use crate::mesh::{Moving, Patch, Piece, VertexName, WireVertex};
 use crate::protocol::WorkerId;
+use crate::refining::news::{Bits, bits};
 use ltbw_core::topology::TetId;
-use ltbw_refine::Carrier;
+use ltbw_exact::Point;
+use ltbw_refine::{Carrier, Relabelled};
 use smallvec::SmallVec;
 
 /// A boundary item by the names of its vertices, ascending, those of a segment after a 0; for a
@@ -35,12 +37,48 @@ pub struct DomainPoint {
     pub(super) may: bool,
     /// The verdict has fallen: it is inserted whatever is in its cavity.
     pub(super) is_chosen: bool,
+    /// The walls of its cavity whose tetrahedra do not inherit their region, and the region that
+    /// they get: where it changes a patch.
+    pub(super) labels: Box<[WallRegion]>,
+}
+
+/// A wall of a cavity, by the coordinates of its corners, and the region that its new tetrahedron
+/// gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct WallRegion {
+    wall: [Bits; 3],
+    region: u32,
+}
+
+impl WallRegion {
+    pub(crate) fn of(own: &Relabelled) -> Self {
+        Self { wall: wall_key(&own.corners), region: own.region }
+    }
+}
+
+/// A face by the coordinates of its corners, in any order.
+fn wall_key(corners: &[Point; 3]) -> [Bits; 3] {
+    let mut key = corners.map(|p| bits(&p));
+    key.sort_unstable();
+    key
 }
 
 impl DomainPoint {
     /// A point that is to be inserted in any case, from tetrahedron `seed` on if that stands.
     pub(crate) fn chosen(vertex: WireVertex, carrier: Carrier, seed: TetId) -> Self {
-        Self { vertex, carrier, item: [0; 3], seed, may: true, is_chosen: true }
+        let (item, labels) = ([0; 3], Box::default());
+        Self { vertex, carrier, item, seed, may: true, is_chosen: true, labels }
+    }
+
+    /// The point, with the regions that tetrahedra at some walls get.
+    pub(crate) fn with_labels(self, labels: Box<[WallRegion]>) -> Self {
+        Self { labels, ..self }
+    }
+
+    /// The region that the new tetrahedron at a wall gets, if it does not inherit it.
+    pub(super) fn label(&self, corners: &[Point; 3]) -> Option<u32> {
+        let key = wall_key(corners);
+        self.labels.iter().find(|own| own.wall == key).map(|own| own.region)
     }
 
     /// The name of the vertex that it becomes.

@@ -8,7 +8,7 @@
 
 use super::ranked::Own;
 use super::source::{Rounds, Stage};
-use super::way::{WayEnd, walk_way};
+use super::way::{Entry, WayEnd, walk_way};
 use crate::protocol::{Rules, Standing};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::bits;
@@ -49,7 +49,9 @@ impl<C: Rules> Rounds<C> {
         let points = v.map(|v| mesh.point(v));
         let Aim::At { point, carrier, may } = mesh.complex.aim_at_tet(points, 0) else { return };
         let (start, to) = (bits(&middle(points)), bits(&point));
-        let WayEnd::At(seed) = walk_way(mesh, (t, None), &start, &to, may) else { return };
+        let WayEnd::At(seed) = walk_way(mesh, Entry { t, by: None }, &start, &to, may) else {
+            return;
+        };
         let Some(cavity) = mesh.cavity_of(seed, &point) else { return };
         self.ahead.enter((t, v), (to, carrier), self.keys.own.look(), cavity);
     }

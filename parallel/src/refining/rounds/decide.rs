@@ -6,14 +6,17 @@ use super::demands::Pending;
 use super::source::{Rounds, Stage};
 use crate::mesh::{WireVertex, made};
 use crate::protocol::{Rules, WorkerId};
-use crate::refining::domain::{DomainMesh, DomainPoint};
+use crate::refining::domain::{DomainMesh, DomainPoint, WallRegion};
 use crate::refining::news::{DomainNews, WireItem, point, rival, rival_byte};
 use ltbw_core::topology::TetId;
-use ltbw_refine::BoundaryItem;
+use ltbw_refine::{BoundaryItem, Filled};
 
 impl<C: Rules> Rounds<C> {
     /// All cavities are reserved: rivals are told of, and the points chosen that wait for none.
     pub(super) fn begin_to_decide(&mut self, mesh: &mut DomainMesh<'_>) {
+        if self.choice.fates.is_some() {
+            return self.carry_out_fates(mesh);
+        }
         self.stage = Stage::Deciding;
         for probe in self.served.reserve_others::<C>(mesh) {
             let rivals = self.served.rivals::<C>(mesh, probe);
@@ -46,38 +49,49 @@ impl<C: Rules> Rounds<C> {
     /// Decides what becomes of a probe.
     pub(super) fn decide(&mut self, mesh: &mut DomainMesh<'_>, k: u32) {
         self.choice.open -= 1;
+        match self.yields(mesh, k) {
+            true => self.choice.probes[k as usize].outcome = Outcome::Dropped,
+            false => self.carry_out(mesh, k),
+        }
+    }
+
+    /// Does a candidate yield to others before it?
+    fn yields(&mut self, mesh: &DomainMesh<'_>, k: u32) -> bool {
         let (me, id) = (self.me, self.id(k));
         let probe = &mut self.choice.probes[k as usize];
         // One that is killed waits for what becomes of its place.
         if let What::Tet(t, _) = probe.what
             && self.served.has_rival::<C>(mesh, (id, t), &probe.rank())
         {
-            return;
+            return true;
         }
-        let removed = match std::mem::replace(&mut probe.outcome, Outcome::Dropped) {
-            Outcome::Open | Outcome::Dropped => return,
-            Outcome::Asks(item, limit) => return self.ask_for(mesh, k, *item, limit),
-            Outcome::Fits(removed) => removed,
-        };
-        if let Some(waits) = probe.waits.take() {
-            let yields = match (&*waits, &mut probe.told) {
-                (Waits::Here(watch, all), _) => {
-                    // Rivals that matter anywhere are boundary items: to a tetrahedron by the
-                    // rule, to an item since nothing else comes before it.
-                    let all = self.served.cavity_at(all).iter().copied();
-                    let all = all.filter(|&t| self.served.reserved.may_be_boundary(t));
-                    watch.yields(all, self.served.rival::<C>(mesh, id))
-                }
-                (Waits::Told(watch), Some(told)) => {
-                    told.add_rivals(me, self.served.rivals::<C>(mesh, id));
-                    watch.yields(0..told.rivals.len(), |place| told.rivals[place])
-                }
-                (Waits::Told(_), None) => false,
-            };
-            if yields {
-                return;
+        let Some(waits) = probe.waits.take() else { return false };
+        match (&*waits, &mut probe.told) {
+            (Waits::Here(watch, all), _) => {
+                // Rivals that matter anywhere are boundary items: to a tetrahedron by the rule, to
+                // an item since nothing else comes before it.
+                let all = self.served.cavity_at(all).iter().copied();
+                let all = all.filter(|&t| self.served.reserved.may_be_boundary(t));
+                watch.yields(all, self.served.rival::<C>(mesh, id))
             }
+            (Waits::Told(watch), Some(told)) => {
+                told.add_rivals(me, self.served.rivals::<C>(mesh, id));
+                watch.yields(0..told.rivals.len(), |place| told.rivals[place])
+            }
+            (Waits::Told(_), None) => false,
         }
+    }
+
+    /// Carries out what a probe has found: its point is to be inserted, or another item split.
+    pub(super) fn carry_out(&mut self, mesh: &mut DomainMesh<'_>, k: u32) {
+        let (me, id) = (self.me, self.id(k));
+        let probe = &mut self.choice.probes[k as usize];
+        let Filled { gone, relabelled, .. } =
+            match std::mem::replace(&mut probe.outcome, Outcome::Dropped) {
+                Outcome::Open | Outcome::Dropped => return,
+                Outcome::Asks(item, limit) => return self.ask_for(mesh, k, *item, limit),
+                Outcome::Fits(filled) => filled,
+            };
         let start = match probe.what {
             What::Tet(t, v) => Some((t, v)),
             What::Item(_) => probe.start,
@@ -91,10 +105,13 @@ impl<C: Rules> Rounds<C> {
         self.points.made += 1;
         let vertex = WireVertex::new(made(me, self.points.made), point(&probe.to));
         let seed = start.map_or(TetId::default(), |(t, _)| t);
-        let point = DomainPoint::chosen(vertex, probe.carrier, seed);
+        // R28.
+        let relabelled = relabelled.iter().filter(|_| C::labels_walls());
+        let walls = relabelled.map(WallRegion::of).collect();
+        let point = DomainPoint::chosen(vertex, probe.carrier, seed).with_labels(walls);
         let cavity = self.served.inside(id);
         self.points.chosen.push_back(ChosenPoint { point, start, cavity });
-        for item in removed {
+        for item in gone {
             self.tell_gone(mesh, &item);
         }
     }

@@ -47,6 +47,10 @@ impl Surveyed for Here<'_, '_> {
         corner(self.mesh, VertexId::new(v))
     }
 
+    fn region(&self, t: TetId) -> u32 {
+        self.mesh.region(t)
+    }
+
     fn beyond(&self, t: TetId, slot: usize) -> Option<TetId> {
         Some(tet_of(self.mesh.inner.tets().neighbours(t)[slot]))
     }

@@ -116,7 +116,8 @@ impl SharedKeys {
         let tell = |t: TetId| thin.tets.push((t, all.vertices(t)));
         for t in mesh.complex.over_among(inside, tell) {
             // One that is told of twice has a key already.
-            if self.own.at(t) == 0 {
+            let carrier = |k: usize| mesh.carrier(all.vertices(t)[k]);
+            if self.own.at(t) == 0 && !mesh.complex.is_flat(carrier) {
                 let places = places_of::<C>(mesh, all.vertices(t));
                 self.own.enter(t, Rank::key_of_tet(places));
             }

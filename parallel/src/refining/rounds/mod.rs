@@ -12,12 +12,13 @@
 //!
 //! Work on the whole mesh is left to the engine, which takes over when nothing else is left:
 //! slivers; circles of items that wait for each other; anything that cannot be split. Domains with
-//! small angles or patches within a tolerance it refines from the start.
+//! small angles it refines from the start.
 //!
 //! | module | what it holds |
 //! |---|---|
 //! | `source` | what a worker knows and is told |
 //! | `stages` | the stages of a round |
+//! | `mail` | news on their way out |
 //! | `tree` | barriers with sums |
 //! | `under_way` | which messages a barrier waits for |
 //! | `keys`, `ranked` | which tetrahedra come before all around them |
@@ -26,6 +27,7 @@
 //! | `ahead`, `found` | cavities found while others are waited for |
 //! | `here` | closures that are all one worker's |
 //! | `decide` | who is chosen |
+//! | `conduct`, `turns` | where there are patches: turns, by the conductor, and at home |
 //! | `demands` | boundary items to be split, and who waits for whom |
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
@@ -33,11 +35,13 @@
 
 mod ahead;
 mod candidate;
+mod conduct;
 mod decide;
 mod demands;
 mod found;
 mod here;
 mod keys;
+mod mail;
 mod probe;
 mod ranked;
 mod reserved;
@@ -45,6 +49,7 @@ mod serve;
 mod source;
 mod stages;
 mod tree;
+mod turns;
 mod under_way;
 mod way;
 

@@ -1,19 +1,16 @@
 //! The home's side of the choice: probes, what comes of them, and who is chosen.
 
-use super::candidate::{Outcome, Probe, Seeker, Told, Waits, What};
+use super::candidate::{Outcome, Probe, Seeker, Verdict, Waits, What};
 use super::here::Here;
 use super::ranked::rank_of;
 use super::serve::{corner, describe};
 use super::source::Rounds;
-use super::way::{WayEnd, walk_way};
+use super::way::{Entry, FarFace, WayEnd, labels_at, walk_way};
 use crate::protocol::{Directory, Handle, Rules, Submesh, Table, Walk, WorkerId};
 use crate::refining::domain::{DomainMesh, is_near};
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
-use ltbw_refine::{
-    Aim, BoundaryItem, Collected, ItemPlace, RankLead, Ruling, Survey, Surveyed, Watch, middle,
-};
-use std::collections::BTreeSet;
+use ltbw_refine::{Aim, BoundaryItem, Collected, Filled, RankLead, Ruling, middle};
 
 impl<C: Rules> Rounds<C> {
     pub(super) fn id(&self, number: u32) -> ProbeId {
@@ -57,7 +54,7 @@ impl<C: Rules> Rounds<C> {
                 match &self.choice.probes[k as usize].what {
                     &What::Tet(t, v) => {
                         let start = middle(v.map(|v| mesh.point(v)));
-                        self.go(mesh, directory, own, (t, None), (bits(&start), may));
+                        self.go(mesh, directory, own, Entry { t, by: None }, (bits(&start), may));
                     }
                     What::Item(item) => {
                         let near = self.demands.pending.get(&item.place()).and_then(|own| own.near);
@@ -69,16 +66,22 @@ impl<C: Rules> Rounds<C> {
             }
             Aim::Skip => self.retry(mesh, directory, k),
             Aim::Exhausted => {
-                let What::Tet(_, v) = self.choice.probes[k as usize].what else {
-                    return self.give_up(k);
+                let What::Tet(t, v) = self.choice.probes[k as usize].what else {
+                    return self.give_up(mesh, k);
                 };
-                let sides = mesh.complex.sides_of(v.map(|v| corner(mesh, v)));
+                // What is beyond tells of patches.
+                let is_known = |slot| labels_at(mesh, t, slot).is_some();
+                if mesh.complex.has_patches() && !(0..4).all(is_known) {
+                    return self.give_up(mesh, k);
+                }
+                let labels = |slot: usize| labels_at(mesh, t, slot);
+                let sides = mesh.complex.sides_of(v.map(|v| corner(mesh, v)), labels);
                 match sides.first() {
                     Some(side) => self.conclude_with(mesh, k, *side),
-                    None => self.give_up(k),
+                    None => self.give_up(mesh, k),
                 }
             }
-            Aim::Refused => self.give_up(k),
+            Aim::Refused => self.give_up(mesh, k),
         }
     }
 
@@ -105,18 +108,21 @@ impl<C: Rules> Rounds<C> {
         let what = what.clone();
         self.conclude(k, Outcome::Dropped);
         let next = self.add_probe(what, lead, attempt + 1);
+        self.pass_turn_on(k, next);
         self.launch(mesh, directory, next);
     }
 
     /// Nothing can be done: the rounds end, and others go on.
-    fn give_up(&mut self, k: u32) {
+    fn give_up(&mut self, mesh: &DomainMesh<'_>, k: u32) {
         self.is_irregular = true;
         self.conclude(k, Outcome::Dropped);
+        self.report(mesh, k);
     }
 
     fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, item: BoundaryItem) {
         let outcome = self.choice.probes[k as usize].what.asks(mesh, item);
         self.conclude(k, outcome);
+        self.report(mesh, k);
     }
 
     fn conclude(&mut self, k: u32, outcome: Outcome) {
@@ -130,15 +136,15 @@ impl<C: Rules> Rounds<C> {
         mesh: &mut DomainMesh<'_>,
         directory: &Directory,
         own: &Seeker,
-        at: (TetId, Option<usize>),
+        at: Entry,
         (start, may): (Bits, bool),
     ) {
         match walk_way(mesh, at, &start, &own.to, may) {
             WayEnd::At(t) => self.serve(mesh, directory, own, &[t]),
-            WayEnd::Far(at) => {
+            WayEnd::Far(FarFace { at, region }) => {
                 let owner = directory.owner(at.block);
                 let own = own.proposal(|v| rank_of::<C>(mesh, v));
-                self.send(owner, DomainNews::Way { own, at, start, may });
+                self.send(owner, DomainNews::Way { own, at, start, may, region });
             }
             WayEnd::Not(end) => {
                 self.answer(mesh, directory, own.probe, end, WireClosure::default(), Vec::new());
@@ -306,6 +312,7 @@ impl<C: Rules> Rounds<C> {
         let count = |place: usize| closure.bound(place).into_iter().filter(|on| *on).count();
         let mut cavity = (0..closure.tets.len()).filter(|&place| closure.tets[place].1);
         let is_near = matches!(what, What::Item(_))
+            || mesh.complex.has_patches()
             || self.served.cavity(id).any(|t| is_near(mesh, t))
             || cavity.any(|place| count(place) > 1);
         if is_near {
@@ -323,7 +330,9 @@ impl<C: Rules> Rounds<C> {
         debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref()));
         // Without candidates of the boundary it does not matter who else is near.
         let all = match &watch {
-            Some(_) if self.choice.has_boundary => self.served.list_closure(mesh, id),
+            Some(_) if self.choice.has_boundary && !self.has_turns(mesh) => {
+                self.served.list_closure(mesh, id)
+            }
             _ => 0..0,
         };
         (verdict, watch.map(|watch| Waits::Here(watch, all)))
@@ -334,7 +343,7 @@ impl<C: Rules> Rounds<C> {
         let may_be_boundary = self.complete(mesh, k);
         let probe = &self.choice.probes[k as usize];
         let Some(told) = probe.told.as_ref().filter(|_| may_be_boundary) else {
-            return (Verdict::Is(Outcome::Fits(Vec::new())), None);
+            return (Verdict::Is(Outcome::Fits(Filled::default())), None);
         };
         let closure = Collected::of(&told.closure);
         let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &closure));
@@ -354,12 +363,13 @@ impl<C: Rules> Rounds<C> {
             What::Item(_) => true,
         };
         let outcome = match verdict {
-            Verdict::Refuse => return self.give_up(k),
+            Verdict::Refuse => return self.give_up(mesh, k),
             Verdict::Is(Outcome::Fits(_)) if !has_own => None,
             Verdict::Is(outcome) => Some(outcome),
             Verdict::Useless => None,
         };
         let Some(outcome) = outcome else {
+            self.pass(mesh, k);
             self.drop_parts(k);
             return self.retry(mesh, directory, k);
         };
@@ -371,6 +381,11 @@ impl<C: Rules> Rounds<C> {
                 let tets = mesh.inner.tets();
                 probe.start = self.served.cavity(id).next().map(|t| (t, tets.vertices(t)));
             }
+        }
+        if probe.turn.is_some() {
+            probe.waits = waits.map(Box::new);
+            self.conclude(k, outcome);
+            return self.report(mesh, k);
         }
         if !fits && is_item {
             // A boundary item that waits for others is in nobody's way. (R24.)
@@ -420,75 +435,5 @@ impl<C: Rules> Rounds<C> {
             self.counts.notes += 1;
             self.send(owner, DomainNews::WantRivals(id));
         }
-    }
-}
-
-/// The verdict on a probe's point.
-#[derive(Debug, PartialEq)]
-enum Verdict {
-    Is(Outcome),
-    /// It does not do what it was made for; another one may.
-    Useless,
-    /// It cannot be.
-    Refuse,
-}
-
-impl Probe {
-    /// The survey of a closure of its point.
-    fn survey<'c, R: Surveyed>(&self, mesh: &'c DomainMesh<'_>, closure: &'c R) -> Survey<'c, R> {
-        Survey::of(&mesh.complex, closure, &point(&self.to), self.carrier)
-    }
-
-    /// The verdict on its point by a survey of its closure, and what makes it wait for others.
-    fn rule<R: Surveyed>(
-        &self,
-        mesh: &DomainMesh<'_>,
-        survey: &Survey<'_, R>,
-    ) -> (Verdict, Option<Watch<R::Tet>>) {
-        let ruling = match &self.what {
-            What::Tet(..) => survey.rule_on_tet(),
-            What::Item(item) => survey.rule_on_item(item),
-        };
-        match ruling {
-            Ruling::Fill(removed) => {
-                let watch = match &self.what {
-                    What::Tet(..) => survey.watch_in_tet(),
-                    What::Item(item) => Some(survey.watch_at_item(item)),
-                };
-                (Verdict::Is(Outcome::Fits(removed)), watch)
-            }
-            Ruling::Defer(first) => match first.first() {
-                Some(&first) => (Verdict::Is(self.what.asks(mesh, first)), None),
-                None => (Verdict::Useless, None),
-            },
-            Ruling::Useless => (Verdict::Useless, None),
-            Ruling::Refuse => (Verdict::Refuse, None),
-        }
-    }
-
-    /// Is the verdict the same if the closure is told by values?
-    fn rules_so_by_values(
-        &self,
-        here: &Here<'_, '_>,
-        verdict: &Verdict,
-        watch: Option<&Watch<TetId>>,
-    ) -> bool {
-        let order = here.listed();
-        let mut told = Told::default();
-        told.add(here.mesh.me(), &describe(here.mesh, &order, self.carrier));
-        let closure = Collected::of(&told.closure);
-        let (by_values, other) = self.rule(here.mesh, &self.survey(here.mesh, &closure));
-        let sorted = |verdict: &Verdict| match verdict {
-            Verdict::Is(Outcome::Fits(gone)) => {
-                Some(gone.iter().map(|item| item.place()).collect())
-            }
-            _ => None::<BTreeSet<ItemPlace>>,
-        };
-        let is_same = match sorted(verdict) {
-            Some(gone) => sorted(&by_values) == Some(gone),
-            None => by_values == *verdict,
-        };
-        let watch = watch.map(|watch| watch.named(|t| t));
-        is_same && watch == other.map(|other| other.named(|place| order[place].0))
     }
 }

@@ -295,10 +295,15 @@ pub(super) fn corner(mesh: &DomainMesh<'_>, v: VertexId) -> Corner {
 }
 
 /// The vertices of a tetrahedron in the closure of a point with this carrier, if they matter: if
-/// two are on the boundary, or of a boundary item one, as its own corners have to be found.
+/// two are on the boundary, or of a boundary item one, as its own corners have to be found; where
+/// there are patches all do.
 fn told_of(mesh: &DomainMesh<'_>, t: TetId, carrier: Carrier) -> Option<[VertexId; 4]> {
     let v = mesh.inner.tets().vertices(t);
-    let least = if carrier == Carrier::Free { 2 } else { 1 };
+    let least = match carrier {
+        _ if mesh.complex.has_patches() => 0,
+        Carrier::Free => 2,
+        _ => 1,
+    };
     (v.iter().filter(|&&v| mesh.is_bound(v)).count() >= least).then_some(v)
 }
 
@@ -308,7 +313,12 @@ pub(super) fn describe(
     tets: &[(TetId, bool)],
     carrier: Carrier,
 ) -> WireClosure {
-    let mut found = WireClosure { corners: Vec::new(), tets: Vec::with_capacity(tets.len()) };
+    let tets_told = Vec::with_capacity(tets.len());
+    let mut found = WireClosure { tets: tets_told, ..WireClosure::default() };
+    if mesh.complex.has_patches() {
+        found.regions.extend(tets.iter().map(|&(t, _)| mesh.region(t)));
+        found.slots.extend(tets.iter().map(|&(t, _)| t));
+    }
     let mut places: FxHashMap<VertexId, u32> = FxHashMap::default();
     for &(t, is_in) in tets {
         let v = told_of(mesh, t, carrier).unwrap_or([INFINITE; 4]).map(|v| match v {

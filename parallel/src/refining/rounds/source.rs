@@ -1,19 +1,22 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
 use super::candidate::{ChosenPoint, Probe};
+use super::conduct::Conductor;
 use super::demands::{Demands, Pending};
 use super::found::Ahead;
-use super::keys::{SharedKeys, keep};
+use super::keys::SharedKeys;
+use super::mail::Mail;
 use super::serve::Served;
 use super::tree::Tree;
 use super::under_way::Counts;
 pub(super) use super::under_way::Stage;
+use super::way::Entry;
 use crate::mesh::VertexName;
 use crate::protocol::{
     BlockId, Correct, Directory, Item, Rules, Source, Standing, Submesh, WorkerId,
 };
 use crate::refining::domain::{DomainMesh, DomainPoint};
-use crate::refining::news::{DomainNews, KeysTold, Sums};
+use crate::refining::news::{DomainNews, Fate, KeysTold, Sums};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_refine::{Asked, BoundaryItem, ItemPlace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -97,6 +100,10 @@ pub(super) struct Choice {
     pub(super) open: usize,
     /// Probes whose points may be inserted, unless others are in their way.
     pub(super) fits: i64,
+    /// If candidates have turns: what becomes of them, once the conductor has told.
+    pub(super) fates: Option<Option<Vec<Fate>>>,
+    /// By the number of an entrant: its probe, of the last attempt.
+    pub(super) current: Vec<u32>,
 }
 
 /// The points that a worker gives in a round.
@@ -122,38 +129,6 @@ pub(super) struct Budget {
     pub(super) most: i64,
 }
 
-/// News to be told.
-#[derive(Debug, Default)]
-pub(super) struct Mail {
-    out: VecDeque<(WorkerId, DomainNews)>,
-    /// The memory of news that others have told together: about as much is told them.
-    spare: Vec<Vec<DomainNews>>,
-}
-
-impl Mail {
-    pub(super) fn send(&mut self, to: WorkerId, news: DomainNews) {
-        self.out.push_back((to, news));
-    }
-
-    /// The next news: all that is to be told one worker goes together.
-    fn tell(&mut self, me: WorkerId) -> Option<(WorkerId, DomainNews)> {
-        let (to, first) = self.out.pop_front()?;
-        if to == me || self.out.iter().all(|(other, _)| *other != to) {
-            return Some((to, first));
-        }
-        let mut all = self.spare.pop().unwrap_or_default();
-        all.push(first);
-        // News for others go around, and are in their order again.
-        for _ in 0..self.out.len() {
-            match self.out.pop_front() {
-                Some((other, news)) if other == to => all.push(news),
-                other => self.out.extend(other),
-            }
-        }
-        Some((to, DomainNews::Several(all)))
-    }
-}
-
 /// One worker's part in rounds.
 #[derive(Debug)]
 pub struct Rounds<C = Correct> {
@@ -171,6 +146,7 @@ pub struct Rounds<C = Correct> {
     pub(super) choice: Choice,
     pub(super) points: Points,
     pub(super) demands: Demands,
+    pub(super) conductor: Conductor,
     pub(super) counts: Counts,
     pub(super) mail: Mail,
     pub(super) created: Vec<TetId>,
@@ -207,6 +183,7 @@ impl<C: Rules> Rounds<C> {
             choice: Choice::default(),
             points: Points::default(),
             demands: Demands::default(),
+            conductor: Conductor::default(),
             counts: Counts::default(),
             mail: Mail::default(),
             created: mesh.inner.tets().tets().map(|(t, _)| t).collect(),
@@ -381,7 +358,11 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 }
             }
             // R21.
-            Stage::Choosing if !C::awaits_reservations() && self.choice.open == 0 => {
+            Stage::Choosing
+                if !C::awaits_reservations()
+                    && self.choice.open == 0
+                    && self.choice.fates.is_none() =>
+            {
                 self.begin_to_decide(mesh);
                 self.end_decisions();
             }
@@ -406,7 +387,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 for news in all.drain(..) {
                     self.hear(mesh, directory, from, news);
                 }
-                keep(&mut self.mail.spare, all);
+                self.mail.keep(all);
             }
             DomainNews::Keys { exchange, keys } => self.take_keys(mesh, from, exchange, keys),
             DomainNews::Up(sums) => {
@@ -414,9 +395,9 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 self.take_step(step);
             }
             DomainNews::Down(sums) => self.pass_on(sums),
-            DomainNews::Way { own, at, start, may } => {
+            DomainNews::Way { own, at, start, may, region } => {
                 if let Some(t) = mesh.resolve(at.name) {
-                    let entry = (t, Some(usize::from(at.face)));
+                    let entry = Entry { t, by: Some((usize::from(at.face), region)) };
                     self.go(mesh, directory, &own.into(), entry, (start, may));
                 }
             }
@@ -432,6 +413,10 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             DomainNews::Part { number, end, found, foreign } => {
                 self.take_part(mesh, directory, from, number, (end, found, foreign));
             }
+            DomainNews::Entrants(entrants) => self.take_entrants(from, entrants),
+            DomainNews::Launch(numbers) => self.take_launch(numbers),
+            DomainNews::Report(report) => self.take_report(from, report),
+            DomainNews::Fates(fates) => self.choice.fates = Some(Some(fates)),
             // Told by sources without rounds alone.
             DomainNews::Ended(_) => {}
             DomainNews::Void(probe) => {

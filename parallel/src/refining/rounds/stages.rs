@@ -118,7 +118,11 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn is_ready_for_barrier(&self, standing: Standing) -> bool {
         match self.stage {
             Stage::Counting => true,
-            Stage::Choosing => self.choice.open == 0 && self.choice.to_launch.is_empty(),
+            Stage::Choosing => {
+                // In turns the conductor has to have said what becomes of all.
+                let is_told = !matches!(self.choice.fates, Some(None));
+                is_told && self.choice.open == 0 && self.choice.to_launch.is_empty()
+            }
             Stage::Inserting => standing.is_passive && self.points.chosen.is_empty(),
             Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => false,
         }
@@ -228,6 +232,8 @@ impl<C: Rules> Rounds<C> {
     fn decide_what(&mut self, mesh: &mut DomainMesh<'_>, sums: &Sums) {
         let has_boundary = sums[READY] > 0;
         let has_tets = match has_boundary {
+            // At patches points are alone in their closures.
+            true if self.has_turns(mesh) => false,
             true => are_joined(sums[READY] as usize, self.budget.counted as usize),
             false => true,
         };
@@ -255,9 +261,16 @@ impl<C: Rules> Rounds<C> {
         }
         self.choice.has_boundary = has_boundary;
         self.choice.foremost = None;
-        if !has_tets {
-            return;
+        if has_tets {
+            self.add_foremost(mesh);
         }
+        if self.has_turns(mesh) {
+            self.enter(mesh);
+        }
+    }
+
+    /// The tetrahedra that come before all around them are to be probed.
+    fn add_foremost(&mut self, mesh: &DomainMesh<'_>) {
         let foremost = self.keys.foremost::<C>(mesh);
         self.choice.foremost = Some(foremost.iter().map(Vec::len).sum::<usize>() as i64);
         // Candidates at interface faces come first: others are waited for there.

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `Looking`, `Exchanging` | `Keys` | `Counting` ends |
 //! | `Choosing` | `Way`, `Seek`, `Search`, `Part`, `Void`, `WantRivals` | `Choosing` ends |
+//! | `Choosing`, in turns | `Entrants`, `Launch`, `Report`, `Fates` | `Choosing` ends |
 //! | `Deciding` | `Rivals`, `Ask`, `Gone` | `Inserting` ends |
 //! | the end of `Inserting` | `Release` | the next `Counting` ends |
 //!
@@ -52,10 +53,10 @@ const KINDS: [&str; NEXT_PROBES + DECISIONS - PROBES] = {
 };
 // The places of the first of each row.
 const PROBES: usize = 1;
-const DECISIONS: usize = 7;
-const RELEASES: usize = 10;
-const NEXT_KEYS: usize = 11;
-const NEXT_PROBES: usize = 12;
+const DECISIONS: usize = 11;
+const RELEASES: usize = 14;
+const NEXT_KEYS: usize = 15;
+const NEXT_PROBES: usize = 16;
 
 impl Stage {
     /// The kinds of which none may be under way while a worker is in this stage. One that has not
