@@ -1,6 +1,7 @@
 //! The limit of tetrahedra, lowered: a run that meets it fails with a typed error, on every
 //! runtime. It neither hangs nor touches a tetrahedron that is not there.
 
+use ltbw::balance::Balance;
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, SubmeshError, WorkerId};
 use ltbw::simulate::{MeshError, Options, RandomMigrations, SimulationError, simulate_mesh};
