@@ -98,7 +98,7 @@ impl<'a> From<(&'a str, String)> for Fact<'a> {
     }
 }
 
-/// What fills a place of a template.
+/// The text that fills a place of a template.
 #[derive(Clone, Copy)]
 struct Filling<'a> {
     name: &'a str,

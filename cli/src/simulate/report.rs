@@ -84,7 +84,7 @@ struct Settings {
     balance: bool,
 }
 
-/// What a run is compared with.
+/// The run of one processor that a run is compared with.
 pub(super) struct Compared {
     /// The time of one processor that does the same work.
     pub(super) one_processor: u64,

@@ -19,7 +19,7 @@ const LINKS: usize = 40;
 const BUFFERS: usize = 4 << 20;
 const ROWS: usize = 12 << 20;
 
-/// What the writing of a file needs.
+/// The needs of the writing of a file.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Needs<'a> {
     /// The token that ends it.

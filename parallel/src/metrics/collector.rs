@@ -1,7 +1,7 @@
 //! One worker's figures while it runs.
 
 use super::figures::WorkerFigures;
-use super::flow::Port;
+use super::flow::{About, Port};
 use super::span::{Span, SpanKind};
 use super::{Nanos, SubmeshSize};
 use crate::protocol::{Action, Attempt, Event, Message, Note, Submesh, Ticket, WorkerId};
@@ -45,15 +45,6 @@ impl Cause {
             Event::Cancel => Self::Cancel,
         }
     }
-}
-
-/// The attempt of an operation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct About {
-    /// The operation.
-    pub ticket: Ticket,
-    /// The number of the attempt.
-    pub attempt: Attempt,
 }
 
 fn about<S: Submesh>(message: &Message<S>) -> Option<About> {

@@ -1,8 +1,7 @@
 //! Messages between workers, from the step that sends one to the step that takes it.
 
 use super::Nanos;
-use super::collector::About;
-use crate::protocol::{Ticket, WorkerId};
+use crate::protocol::{Attempt, Ticket, WorkerId};
 
 /// A message about an operation, sent and taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +18,15 @@ pub struct Flow {
     pub sent: Nanos,
     /// The begin of the step that took it, not before it was sent.
     pub taken: Nanos,
+}
+
+/// The attempt of an operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct About {
+    /// The operation.
+    pub ticket: Ticket,
+    /// The number of the attempt.
+    pub attempt: Attempt,
 }
 
 /// One end of a message. Messages of one sender arrive in the order in which they were sent, so the
@@ -67,7 +75,6 @@ pub(super) fn join(mut sent: Vec<Port>, mut taken: Vec<Port>) -> Vec<Flow> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::Attempt;
 
     #[test]
     fn the_nth_message_sent_is_the_nth_taken_and_one_without_an_end_is_left_out() {

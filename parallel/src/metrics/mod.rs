@@ -39,9 +39,9 @@ mod span;
 mod summary;
 mod trace;
 
-pub use collector::{About, Cause, Collector, Step};
+pub use collector::{Cause, Collector, Step};
 pub use figures::{Cavities, CavityTimes, Messages, Polls, Times, WorkerFigures};
-pub use flow::Flow;
+pub use flow::{About, Flow};
 pub use span::{Span, SpanKind};
 pub use summary::{Extremes, Summary, tolerance};
 pub use trace::Trace;

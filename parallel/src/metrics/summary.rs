@@ -1,8 +1,9 @@
 //! The figures of a run, joined from those of its workers.
 
 use super::Nanos;
-use super::collector::{About, Collector, Ending};
+use super::collector::{Collector, Ending};
 use super::figures::{Cavities, CavityTimes, Messages, Polls, Times, WorkerFigures, share};
+use super::flow::About;
 use crate::protocol::{Attempt, Ticket};
 use std::collections::{BTreeMap, HashMap};
 

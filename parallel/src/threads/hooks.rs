@@ -45,7 +45,7 @@ pub(super) struct ThreadHooks<'a> {
     watched: Option<Watched<'a>>,
 }
 
-/// What all workers of a run have in common.
+/// The settings that all workers of a run have in common.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Running<'a> {
     /// Its begin.

@@ -10,21 +10,22 @@ const PARAMETERS: usize = 5;
 struct Signature<'t> {
     name: &'t str,
     line: usize,
-    /// Patterns and types of its parameters, without `self`.
-    parameters: Vec<&'t [Token]>,
+    /// The types of its parameters, without `self`.
+    types: Vec<&'t [Token]>,
 }
 
 /// Functions with more parameters than allowed: `file: name`.
 pub(crate) fn many_parameters(tree: &Tree) -> Vec<String> {
-    let is_one = |function: &Signature<'_>| function.parameters.len() > PARAMETERS;
+    let is_one = |function: &Signature<'_>| function.types.len() > PARAMETERS;
     found(tree, |file, function| is_one(function).then(|| format!("{file}: {}", function.name)))
 }
 
-/// Functions with a tuple in a parameter, whose members want names: `file:line: name`. The function
-/// `from` of a conversion has the tuple to whose members it gives names.
+/// Functions with a tuple among the types of their parameters, whose members want names:
+/// `file:line: name`. The function `from` of a conversion has the tuple to whose members it gives
+/// names.
 pub(crate) fn tuples(tree: &Tree) -> Vec<String> {
     let is_one = |function: &Signature<'_>| {
-        function.name != "from" && function.parameters.iter().any(|tokens| has_tuple(tokens))
+        function.name != "from" && function.types.iter().any(|tokens| has_tuple(tokens))
     };
     found(tree, |file, function| {
         is_one(function).then(|| format!("{file}:{}: {}", function.line, function.name))
@@ -51,17 +52,17 @@ fn signature(tokens: &[Token], k: usize) -> Option<Signature<'_>> {
     if name.text == "(" || tokens.get(open)?.text != "(" {
         return None;
     }
-    let is_self = |part: &[Token]| {
-        let pattern = part.iter().take_while(|token| token.text != ":");
-        pattern.last().is_some_and(|token| token.text == "self")
+    // Without a colon it is `self`, by reference or by value.
+    let type_of = |part: &'_ [Token]| {
+        let colon = part.iter().position(|token| token.text == ":")?;
+        (part[colon - 1].text != "self").then_some(colon + 1)
     };
-    let mut parameters = parted(&tokens[open + 1..closing(tokens, open)]);
-    parameters.retain(|part| !is_self(part));
-    Some(Signature { name: &name.text, line: name.line, parameters })
+    let parts = parted(&tokens[open + 1..closing(tokens, open)]);
+    let types = parts.into_iter().filter_map(|part| part.get(type_of(part)?..)).collect();
+    Some(Signature { name: &name.text, line: name.line, types })
 }
 
-/// Is there a tuple of two or more? Neither the parameters of a closure are one, nor the members of
-/// a struct, which follow its name.
+/// Is there a tuple of two or more in a type? The parameters of a closure are none.
 fn has_tuple(tokens: &[Token]) -> bool {
     let is_name = |text: &str| text == "fn" || text.starts_with(char::is_uppercase);
     (0..tokens.len()).any(|k| {
@@ -138,7 +139,7 @@ fn tuples_in_parameters_are_found() {
         "self: Box<Self>",
         "a: (), b: (u8), c: Pair<u8, u8>",
         "a: impl Fn(u8, u8) -> Result<u8, ()>, b: &mut dyn FnMut(u8, &T)",
-        "Pair(a, b): Pair, [c, d]: [u8; 2], e: fn(u8, u8) -> u8",
+        "(a, b): Pair, Pair(c, d): Pair, e: fn(u8, u8) -> u8",
         "a: u8, // (a, b): (u8, u8)\n",
     ] {
         assert_eq!(of(fine), [""; 0], "{fine}");

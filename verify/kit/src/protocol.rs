@@ -240,13 +240,16 @@ fn case<T: Start>(name: &str, flags: Vec<&'static str>, start: &T, run: &Run) ->
     }
 }
 
+/// A start, and the number of blocks that may move.
+type Begin<T> = (T, u64);
+
 /// A run that is shown, and its flags.
 type Shown<T> = (T, Run, Vec<&'static str>);
 
 /// For every flag, the shortest of the first few runs that have it.
 fn selected<T: Start>(
     wanted: &[&'static str],
-    mut start: impl FnMut(u64, &mut Rng) -> (T, u64),
+    mut start: impl FnMut(u64, &mut Rng) -> Begin<T>,
 ) -> Vec<Shown<T>> {
     const TRIED: u32 = 8;
     let mut best: BTreeMap<&str, (u32, Shown<T>)> = BTreeMap::new();

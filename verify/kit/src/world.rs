@@ -197,7 +197,7 @@ pub(super) fn replay<T: Start, C: Variant>(start: &T, turns: &[Turn]) -> Run {
     Run { turns: turns[..steps.len()].to_vec(), steps, state: world.state() }
 }
 
-/// What may happen in a run beside messages.
+/// Events that may happen in a run beside messages.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Chances {
     /// The number of blocks that may move.

@@ -368,7 +368,7 @@ fn attribute(
     }
 }
 
-/// What a file says of an array of data.
+/// An array of data, as a file announces it.
 struct Announced<'a> {
     about: About,
     name: &'a [u8],

@@ -80,9 +80,9 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         Insert::Done
     }
 
-    /// Inserts a point that [`Submesh::search`] was asked for earlier. `false` if it is not inserted
-    /// so, though it may be from its seed on: where much has changed, at ghosts, and where
-    /// something may be in the way. The submesh is as before then.
+    /// Inserts a point that [`Submesh::search`] was asked for earlier. `false` if it is not
+    /// inserted so, though it may be from its seed on: where much has changed, at ghosts, and
+    /// where something may be in the way. The submesh is as before then.
     ///
     /// # Panics
     /// If [`Earlier::found`] names what is no slot, or `v` is no finite vertex.
