@@ -1,7 +1,7 @@
 //! Domains with patches within a tolerance, refined in rounds by workers that share no mesh: points
 //! there have turns, which one worker gives. The mesh is that of one thread.
 
-use crate::refining_rounds::{one_mesh, same, simulated_by};
+use crate::refining_rounds::{one_mesh, simulated_by};
 use ltbw::domain::{Domain, PrepareOptions, Prepared};
 use ltbw::protocol::{Correct, Rules};
 use ltbw::refine::{Refiner, usual_tolerance};
@@ -59,23 +59,35 @@ impl Rules for OneWave {
     }
 }
 
-#[test]
-fn broken_rules_about_patches_are_caught() {
-    fn runs<C: Rules>() -> [Option<SimulatedRounds>; 4] {
-        let (ready, tolerance) = surface(&single(torus(10)));
-        let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(1e-3).start(64);
-        [(1, 0), (2, 1_000), (8, 30_000), (16, 1_000)]
-            .map(|of| simulated_by::<C>(&refiner, &ready, of).ok())
-    }
-    let [right, others @ ..] = runs::<Correct>().map(|run| run.expect("a run ends"));
-    assert_eq!(right.ending, Ok(Ending::Done));
-    others.iter().for_each(|run| same("a torus", &run.refined, &right.refined));
+/// Runs on processors and latencies that keep to these rules: how many do not end with the points
+/// and the mesh of those that keep to all.
+fn wrong_runs<C: Rules>(domain: &Domain, volume: f64) -> usize {
+    let (ready, tolerance) = surface(domain);
+    let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(volume).start(64);
     let hash = |run: &SimulatedRounds| run.refined.mesh().hash().expect("a hash");
-    let is_right = |run: &Option<SimulatedRounds>| {
-        run.as_ref().is_some_and(|run| {
-            hash(run) == hash(&right) && run.figures.points == right.figures.points
+    let runs = [(1, 0), (2, 1_000), (8, 30_000)].into_iter();
+    let is_wrong = |of: &(u32, u64)| {
+        let right = simulated_by::<Correct>(&refiner, &ready, *of).expect("a run ends");
+        assert_eq!(right.ending, Ok(Ending::Done));
+        simulated_by::<C>(&refiner, &ready, *of).map_or(true, |run| {
+            hash(&run) != hash(&right) || run.figures.points != right.figures.points
         })
     };
-    assert!(!runs::<Unlabelled>().iter().all(is_right), "R28");
-    assert!(!runs::<OneWave>().iter().all(is_right), "R29");
+    runs.filter(is_wrong).count()
+}
+
+#[test]
+fn broken_rules_about_patches_are_caught() {
+    assert!(wrong_runs::<Unlabelled>(&single(torus(10)), 1e-3) > 0, "R28");
+    let solid = turned(&generate_domain(DomainKind::CubeInCube, &Shape::default()).expect("one"));
+    let domains = [
+        (single(torus(10)), 3e-4),
+        (single(globe(12, 12, 0.0, 1)), 3e-4),
+        (single(globe(12, 12, 0.0, 1)), 1e-2),
+        (single(prism(12, 1e-7, 1)), 3e-4),
+        (solid, 1e-3),
+    ];
+    let wrong = domains.each_ref().map(|(of, volume)| wrong_runs::<OneWave>(of, *volume));
+    println!("R29: {wrong:?}");
+    assert!(wrong.iter().sum::<usize>() > 0, "R29");
 }

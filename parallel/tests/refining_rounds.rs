@@ -50,7 +50,7 @@ pub(crate) fn simulated_by<C: Rules>(
     simulate_rounds::<C>(refiner, whole, layout, &options)
 }
 
-pub(crate) fn same(name: &str, one: &Refined, other: &Refined) {
+fn same(name: &str, one: &Refined, other: &Refined) {
     assert_eq!(hash(one.mesh()), hash(other.mesh()), "{name}");
     let [a, b] = [one, other].map(Refined::with_exterior);
     assert!(a.points == b.points && a.tets == b.tets, "{name}");

@@ -127,7 +127,7 @@ pub enum Reported {
     },
 }
 
-/// What a probe in turns has found.
+/// The findings of a probe in turns.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Report {
     /// Its number among the entrants of its home.
@@ -160,7 +160,7 @@ impl Report {
     }
 }
 
-/// What becomes of an entrant.
+/// The fate of an entrant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Fate {
     /// Its point is inserted, or what it asks for is to be split.
@@ -256,9 +256,9 @@ pub enum DomainNews {
     Entrants(Vec<Entrant>),
     /// The receiver is to probe for these, from the conductor.
     Launch(Vec<u32>),
-    /// What a probe has found, to the conductor.
+    /// The findings of a probe, to the conductor.
     Report(Report),
-    /// What becomes of all the receiver's candidates, from the conductor.
+    /// The fates of all the receiver's candidates, from the conductor.
     Fates(Vec<Fate>),
     /// The rivals in the sender's part of a closure, in the order in which it has told of it.
     Rivals {

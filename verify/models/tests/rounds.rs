@@ -43,7 +43,7 @@ fn patched_case() -> Case {
     let domain = surfaces::single(surfaces::torus(10));
     let options = PrepareOptions { oriented: true, ..PrepareOptions::default() };
     let ready = domain.prepare(&options).expect("a sound domain");
-    let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(1e-3).start(64);
+    let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(3e-4).start(64);
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
     Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
 }

@@ -1,5 +1,5 @@
-//! Who is chosen among the candidates of a round, by who has which tetrahedra in its cavity: one is
-//! killed, or waits, for those before it. Where some have to be alone in their closures candidates
+//! The choice among the candidates of a round, by the tetrahedra in their cavities: one is killed,
+//! or waits, for those before it. Where some have to be alone in their closures candidates
 //! have turns, the foremost first. And the groups of circumspheres that are nearly equal.
 
 use super::choice::Rival;

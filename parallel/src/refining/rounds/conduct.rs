@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 /// The worker that conducts.
 pub(super) const CONDUCTOR: WorkerId = WorkerId::new(0);
 
-/// What the conductor knows of a round.
+/// The knowledge that the conductor has of a round.
 #[derive(Debug, Default)]
 pub(super) struct Conductor {
     /// By worker: its entrants, if it has told of them.
@@ -172,7 +172,7 @@ impl Contest {
         !own.is_killed(self) && !own.waits(self, closure) && !own.is_crowded(self, closure)
     }
 
-    /// What becomes of the candidate of a rank, when those before it have had their turns.
+    /// The fate of the candidate of a rank, when those before it have had their turns.
     fn fate(&self, rank: usize) -> Fate {
         let Some(report) = &self.all[rank].report else { return Fate::Falls };
         let is_boundary = rank < self.of_boundary;
@@ -189,7 +189,7 @@ impl Contest {
         if stands { Fate::Stands } else { Fate::Falls }
     }
 
-    /// What becomes of all, by worker and number. Where some have to be alone, and of the boundary,
+    /// The fates of all, by worker and number. Where some have to be alone, and of the boundary,
     /// candidates have turns, the foremost first: the tetrahedra are reserved anew, by those alone
     /// that stand. A boundary item that asks for another one is in nobody's way.
     fn fates(&mut self) -> Vec<Vec<Fate>> {

@@ -69,7 +69,7 @@ impl<C: Rules> Rounds<C> {
                 let What::Tet(t, v) = self.choice.probes[k as usize].what else {
                     return self.give_up(mesh, k);
                 };
-                // What is beyond tells of patches.
+                // The regions beyond tell of patches.
                 let is_known = |slot| labels_at(mesh, t, slot).is_some();
                 if mesh.complex.has_patches() && !(0..4).all(is_known) {
                     return self.give_up(mesh, k);
