@@ -117,18 +117,7 @@ impl Layout {
     /// # Errors
     /// As [`Builder::build`]: there is no first tetrahedron.
     pub fn distribute(&self, set: &PointSet) -> Result<Prepared, BuildError> {
-        self.prepare_some(set, None, None)
-    }
-
-    /// As [`Layout::distribute`], for the points `only`, by index, or all; `cancel` may end it
-    /// early.
-    pub(crate) fn prepare_some(
-        &self,
-        set: &PointSet,
-        only: Option<&[u32]>,
-        cancel: Option<&CancelToken>,
-    ) -> Result<Prepared, BuildError> {
-        self.prepare_with(set, only, None, cancel)
+        self.prepare(set, &Wanted::default())
     }
 
     /// As [`Layout::distribute`], with all points in the mesh that is distributed; if there is a
@@ -139,16 +128,16 @@ impl Layout {
         cut: Option<(Curve, &[(Point, u64)])>,
     ) -> Result<Prepared, BuildError> {
         let whole = Self { sample: set.len(), ..*self };
-        whole.prepare_with(set, None, cut, None)
+        whole.prepare(set, &Wanted { cut, ..Wanted::default() })
     }
 
-    fn prepare_with(
+    /// As [`Layout::distribute`], of what is wanted.
+    pub(crate) fn prepare(
         &self,
         set: &PointSet,
-        only: Option<&[u32]>,
-        cut: Option<(Curve, &[(Point, u64)])>,
-        cancel: Option<&CancelToken>,
+        wanted: &Wanted<'_>,
     ) -> Result<Prepared, BuildError> {
+        let Wanted { only, cut, cancel, of } = *wanted;
         let kernel = set.kernel_points();
         let order = match only {
             None => cut.map_or_else(|| hilbert(&kernel), |(curve, _)| curve.order(&kernel)),
@@ -179,10 +168,10 @@ impl Layout {
         // The one is sequential, the other mostly waits for memory.
         let (coarse, mut workers) = rayon::join(
             || coarse_mesh(&points, &sample),
-            || self.submeshes(&params, &blocks, &points),
+            || self.submeshes(&params, &blocks, &points, of),
         );
         let coarse = coarse?;
-        distribute(&coarse, &sample, &points, &blocks, &owners, &mut workers);
+        distribute(&coarse, (&sample, &points), &blocks, &owners, &mut workers);
         let interface = match self.max_in_flight {
             0 => Vec::new(),
             _ => self.interface(&coarse, &sample, &blocks, points.len() as u32),
@@ -194,9 +183,8 @@ impl Layout {
         }
         let workers = workers
             .into_par_iter()
-            .enumerate()
-            .map(|(me, mesh)| {
-                let me = WorkerId::at(me);
+            .map(|mesh| {
+                let me = mesh.me;
                 let range = self.range(me, &blocks);
                 let ranks = [range.start, range.end]
                     .map(|v| sample.partition_point(|&rank| rank < v.saturating_sub(1)));
@@ -262,8 +250,15 @@ impl Layout {
         pieces
     }
 
-    /// A submesh for each worker, without tetrahedra, with the points of its range.
-    fn submeshes(&self, params: &MeshParams, blocks: &Blocks, points: &[Point]) -> Vec<LocalMesh> {
+    /// A submesh for each worker, or for one alone, without tetrahedra, with the points of its
+    /// range.
+    fn submeshes(
+        &self,
+        params: &MeshParams,
+        blocks: &Blocks,
+        points: &[Point],
+        of: Option<WorkerId>,
+    ) -> Vec<LocalMesh> {
         let submesh = |me| {
             let me = WorkerId::new(me);
             let range = self.range(me, blocks);
@@ -281,7 +276,9 @@ impl Layout {
                 .set_points(VertexId::new(1), &points[range.start as usize - 1..][..range.len()]);
             mesh
         };
-        (0..self.workers).into_par_iter().map(submesh).collect()
+        let all = 0..self.workers;
+        let wanted = all.filter(|&me| of.is_none_or(|of| of.number() == me)).collect::<Vec<_>>();
+        wanted.into_par_iter().map(submesh).collect()
     }
 
     /// The owner of a block at the start.
@@ -295,6 +292,19 @@ impl Layout {
         let first = me.number() * self.blocks_per_worker;
         block(first).start..block(first + self.blocks_per_worker - 1).end
     }
+}
+
+/// The part of a start that is wanted.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Wanted<'a> {
+    /// The points, by index, or all.
+    pub(crate) only: Option<&'a [u32]>,
+    /// A curve with weights of places, to be cut into blocks of about equal weight.
+    pub(crate) cut: Option<(Curve, &'a [(Point, u64)])>,
+    /// May end it early.
+    pub(crate) cancel: Option<&'a CancelToken>,
+    /// The only worker that is made: the others are elsewhere.
+    pub(crate) of: Option<WorkerId>,
 }
 
 /// Workers ready to run.
@@ -336,8 +346,7 @@ fn coarse_mesh(points: &[Point], sample: &[u32]) -> Result<Mesh, BuildError> {
 /// Gives every tetrahedron of the coarse mesh to the owner of its block.
 fn distribute(
     coarse: &Mesh,
-    sample: &[u32],
-    points: &[Point],
+    (sample, points): (&[u32], &[Point]),
     blocks: &Blocks,
     owners: &[WorkerId],
     workers: &mut [LocalMesh],
@@ -350,11 +359,15 @@ fn distribute(
     let mut place: Vec<(BlockId, WorkerId, TetId)> = vec![<_>::default(); topology.slots()];
     let block_of = |&t: &TetId| corners(t).map_or(BlockId::default(), |v| blocks.of_tet(v));
     let block_of_each: Vec<BlockId> = tets.par_iter().map(block_of).collect();
+    // Those of one worker alone, if nobody else is here.
+    let first = workers.first().map_or(0, |mesh| mesh.me.index());
     let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
     for (&t, block) in tets.iter().zip(block_of_each) {
         let owner = owners[block.index()];
         place[t.index()] = (block, owner, TetId::default());
-        theirs[owner.index()].push(t);
+        if let Some(own) = owner.index().checked_sub(first).and_then(|k| theirs.get_mut(k)) {
+            own.push(t);
+        }
     }
     let create = |(mesh, tets): (&mut LocalMesh, &Vec<TetId>)| {
         let mut made = Vec::with_capacity(tets.len());

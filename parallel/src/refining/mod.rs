@@ -15,6 +15,8 @@ pub use freely::{SimulatedDomain, ThreadedDomain, domain_on_threads, simulate_do
 pub use news::{
     DomainNews, KeysTold, PartEnd, ProbeId, Proposal, Sums, WireClosure, WireCorner, WireItem,
 };
+#[cfg(feature = "wire")]
+pub use rounds::rounds_on_team;
 pub use rounds::{
     Ending, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN, ThreadedRounds,
     Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds, unkilled,
