@@ -205,7 +205,7 @@ fn print_thickness(points: &[Point]) {
     }
 }
 
-/// What comes of a build.
+/// The outcome of a build.
 enum Outcomes {
     Built(Box<Built>),
     /// It was stopped too early.

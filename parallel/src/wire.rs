@@ -4,6 +4,7 @@
 //! is read by the bytes that came and takes memory for no more than these tell; what is no letter
 //! is an error that names its sender.
 
+use crate::payload::{LOAD_BYTES, Payload, bytes};
 use crate::protocol::{Submesh, WorkerId};
 use crate::transport::Mail;
 use serde::Serialize;
@@ -22,7 +23,7 @@ pub struct WireError {
     pub at: usize,
     /// The bytes of the letter.
     pub length: usize,
-    /// What is wrong.
+    /// The reason.
     pub reason: String,
 }
 
@@ -106,6 +107,11 @@ where
     fn get(from: WorkerId, letter: &[u8], at: &mut usize) -> Result<Self, WireError> {
         get(from, letter, at)
     }
+}
+
+/// The bytes that the simulator charges for a mail.
+pub fn charged<S: Payload>(mail: &Mail<S>) -> u64 {
+    mail.message.as_ref().map_or(LOAD_BYTES, bytes)
 }
 
 /// All mails of a letter, in their order.

@@ -1,8 +1,8 @@
 //! Processes that mesh together: each is given the same command line, and reads the same input; the
 //! first one checks, writes and reports.
 //!
-//! What may be wrong is agreed upon before the work (`Ranks::agree`): the lowest process that
-//! refuses is told of, once, and all end with its exit code. Afterwards a failure of one is the end
+//! Refusals are agreed upon before the work (`Ranks::agree`): the lowest process that refuses is
+//! told of, once, and all end with its exit code. Afterwards a failure of one is the end
 //! of all ([`Ended::Alone`]).
 
 #[cfg(feature = "wire")]

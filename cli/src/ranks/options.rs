@@ -6,7 +6,7 @@ use crate::streams::is_stdin;
 use crate::workers::Mode;
 use std::path::Path;
 
-/// What a process that is one of several cannot do.
+/// Refuses options that a process that is one of several does not have.
 fn refused(options: &[(&str, bool)], input: &Path) -> Result<(), Failure> {
     if is_stdin(input) {
         let text = "stdin: each process of a job reads the input, which has to be a file";

@@ -8,7 +8,7 @@ use crate::{console, dispatch, machine, refusal};
 use clap::Parser;
 use ltbw::refine::Refiner;
 use ltbw::refining::{RefineError, ThreadedRounds, rounds_on_team};
-use ltbw::team::{Post, Team, TeamError};
+use ltbw::team::{LetterFigures, Post, Team, TeamError};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::wire::VERSION;
 use ltbw::{Builder, Built, CancelToken, Domain, Lattice, PointSet};
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::ffi::OsString;
 
-/// How a process has ended.
+/// The end of a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
     /// As all others, with this exit code.
@@ -52,7 +52,8 @@ struct Member<'t, P> {
 }
 
 impl<P: Post> Member<'_, P> {
-    /// What all say, which is the same at each; the first refusal if there is one.
+    /// Tells this process's word, and hears all: each finds the same, the first refusal if there
+    /// is one.
     fn speak(&self, own: &Word) -> Result<(), Failure> {
         self.has_agreed.set(true);
         let all = self.team.borrow_mut().gather_all(own).map_err(|error| self.lost(&error))?;
@@ -92,7 +93,7 @@ impl<P: Post> Ranks for Member<'_, P> {
 
     fn build(&self, builder: &Builder<'_>, set: &PointSet) -> Result<Option<Built>, RunError> {
         let built = builder.build_on(*self.team.borrow_mut(), set);
-        // What is wrong with the points is wrong everywhere.
+        // The points are the same everywhere.
         let is_lost = |error: &RunError| !matches!(error, RunError::Build(_));
         self.is_broken.set(built.as_ref().is_err_and(is_lost));
         built
@@ -190,11 +191,29 @@ pub fn run<P: Post>(team: &mut Team<P>) -> Ended {
             failure.code()
         }
     };
+    if let Err(error) = print_letters(team) {
+        return alone(team, &Failure::Other(error.to_string()));
+    }
     // The first one's counts: the others end when it has.
     match team.tell_value(is_first.then_some(code)) {
         Ok(code) => Ended::Together(code),
         Err(error) => alone(team, &Failure::Other(error.to_string())),
     }
+}
+
+/// Says for people what processes have sent each other.
+fn print_letters<P: Post>(team: &mut Team<P>) -> Result<(), TeamError> {
+    let mut sum = LetterFigures::default();
+    let own = team.figures();
+    team.gather_values(&own)?.into_iter().flatten().for_each(|own| sum.add(&own));
+    let LetterFigures { messages, letters, bytes } = sum;
+    if letters > 0 && team.is_first() {
+        let size = team.size();
+        console::people(&format!(
+            "letters   {letters} of {size} processes, with {messages} messages in {bytes} bytes"
+        ));
+    }
+    Ok(())
 }
 
 /// Understands the command, and runs it.

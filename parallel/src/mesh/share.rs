@@ -43,7 +43,7 @@ pub enum ShareError {
     Missing {
         /// The worker.
         worker: WorkerId,
-        /// What is not there.
+        /// The kind of the missing thing.
         what: &'static str,
         /// Its number.
         number: u64,

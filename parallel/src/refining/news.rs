@@ -22,7 +22,7 @@ pub(crate) fn point(bits: &Bits) -> Point {
 
 /// A vertex in a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct WireCorner {
     #[cfg_attr(feature = "wire", serde(with = "crate::wire::bits"))]
     pub(crate) at: Bits,
@@ -41,7 +41,7 @@ impl WireCorner {
 
 /// A boundary item in a message: its corners, and its segment or facet.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct WireItem {
     corners: Vec<WireCorner>,
     of: u32,
@@ -60,7 +60,7 @@ impl WireItem {
 
 /// A probe: its home, and its number there in this round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProbeId {
     pub(crate) home: WorkerId,
     pub(crate) number: u32,
@@ -68,7 +68,7 @@ pub struct ProbeId {
 
 /// A probe with its point, which is a candidate of this rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Proposal {
     pub(crate) probe: ProbeId,
     #[cfg_attr(feature = "wire", serde(with = "crate::wire::bits"))]
@@ -79,7 +79,7 @@ pub struct Proposal {
 
 /// Where an owner's part of a probe has ended.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum PartEnd {
     /// Everything asked for was looked at.
     Found,
@@ -94,7 +94,7 @@ pub enum PartEnd {
 /// An owner's part of a closure: tetrahedra by their corners, and whether each is in
 /// conflict.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct WireClosure {
     pub(crate) corners: Vec<WireCorner>,
     pub(crate) tets: Vec<([u32; 4], bool)>,
@@ -112,7 +112,7 @@ pub(crate) fn rival(byte: u8) -> Rival {
 
 /// News of common faces, which the receiver knows by these tetrahedra and faces of his own.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum KeysTold {
     /// In the first exchange of a round: the ranks of the sender's tetrahedra over their bounds.
     Ranks(Vec<(Name, u8, Rank)>),
@@ -128,7 +128,7 @@ pub type Sums = [i64; SUMS];
 
 /// News of a domain.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum DomainNews {
     /// News of the faces that the sender has in common with the receiver.
     Keys {

@@ -47,7 +47,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// What is left of a submesh.
+    /// The part that a submesh is.
     pub(super) fn of(mut mesh: DomainMesh<'_>) -> Self {
         let regions = mesh.take_regions();
         let is_used = used_vertices(&mesh.inner);

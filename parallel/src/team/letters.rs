@@ -90,7 +90,7 @@ impl<'t, P: Post> Letters<'t, P> {
             self.has_told = true;
             self.cancel.iter().for_each(|token| token.cancel());
         } else if let Err(fault) = open(from, &letter, |mail| into.push((from, mail))) {
-            // What comes after it would be out of order.
+            // The next ones would be out of order.
             self.team.fault.get_or_insert(fault);
         }
         self.team.post.keep(letter);

@@ -17,7 +17,7 @@ use ltbw_core::{BuildError, CancelToken, Outcome, Phase};
 use ltbw_exact::PointSet;
 use std::time::Instant;
 
-/// What a worker has made, for the first one.
+/// A worker's part, for the first one.
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Made {
     share: Share,

@@ -265,7 +265,7 @@ fn begin<'c, C: Rules>(
     prepare(complex, start, &layout, config, source)
 }
 
-/// What a worker leaves at the end of its rounds.
+/// The part of a worker at the end of its rounds, and the work that it leaves.
 fn left_by<C: Rules>(worker: RoundNode<'_, C>) -> (Part, Left) {
     let (mesh, source, _) = worker.into_parts();
     let (pending, candidates, thin, ending, figures) = source.into_parts(&mesh);

@@ -15,7 +15,7 @@ use ltbw_domain::{Domain, Lattice};
 use ltbw_exact::Mode;
 use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, Parted, Refiner, Start};
 
-/// What a worker has and leaves, as it travels.
+/// A worker's part and the work that it leaves, as they travel.
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Parcel {
     share: Share,
@@ -166,7 +166,7 @@ impl<P: Post> Member<'_, '_, P> {
         }
     }
 
-    /// What all members leave, and their figures.
+    /// The parts of all members, the work that they leave, and their figures.
     fn collect(
         &mut self,
         own: (Part, Left),
