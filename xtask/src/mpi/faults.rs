@@ -1,5 +1,5 @@
-//! What a job refuses, and what comes of processes that panic, are killed or are stopped: each ends
-//! with a code and a word about it, and none hangs.
+//! Refusals of a job, and processes that panic, are killed or are stopped: each ends with a code and
+//! a word about it, and none hangs.
 
 use super::{Bench, Outcome, begin, end, watched, words_of};
 use crate::shell;
@@ -22,7 +22,7 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
         .map_err(|error| error.to_string())?;
     let refusals: [(&[&str], i32, &str); 8] = [
         (&["delaunay", "missing.npy"], 3, "missing.npy"),
-        (&["delaunay", "nan.xyz"], 3, "point 2"),
+        (&["delaunay", "nan.xyz"], 3, "not a finite number"),
         (&["mesh", "uniform-40.npy"], 3, "uniform-40.npy"),
         (&["delaunay", "uniform-40.npy", "--no-such-option"], 2, "--no-such-option"),
         (&["simulate"], 2, "delaunay and mesh"),
@@ -53,7 +53,7 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
     }
     for rank in 0..2 {
         let outcome = signalled(bench, rank, "KILL", &[])?;
-        // What Open MPI makes of it: 128 and the number of the signal.
+        // Open MPI makes of it 128 and the number of the signal.
         expect(&format!("SIGKILL of rank {rank}"), &outcome, (137, "signal 9"))?;
         let partial = folder.join("partial.vtu");
         _ = fs::remove_file(&partial);
