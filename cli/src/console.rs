@@ -21,11 +21,25 @@ pub(crate) fn be_quiet() {
     QUIET.set();
 }
 
+/// Another process tells people what there is to tell.
+static SILENT: Flag = Flag::new();
+
+/// Prints no more lines for people but by [`aloud`].
+#[cfg(feature = "wire")]
+pub(crate) fn be_silent() {
+    SILENT.set();
+}
+
 /// Prints a line for people, to stderr.
 pub(crate) fn people(line: &str) {
-    if QUIET.is_set() && !line.starts_with("ltbw: ") {
+    if SILENT.is_set() || QUIET.is_set() && !line.starts_with("ltbw: ") {
         return;
     }
+    aloud(line);
+}
+
+/// Prints a line for people in any case, to stderr.
+pub(crate) fn aloud(line: &str) {
     // A bar may be on the terminal's last line, and comes again below.
     let start = if progress::has_bars() { "\r\x1b[2K" } else { "" };
     let _ = writeln!(std::io::stderr(), "{start}{line}");

@@ -52,6 +52,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         binding: Binding { inputs: Vec::new(), options },
         stop: &stop,
         start,
+        others: None,
     };
     let job = Job {
         task,

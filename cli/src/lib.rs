@@ -22,6 +22,7 @@
 //! | `streams` | stdin and stdout in place of files |
 //! | `simulate` | `simulate`: the parallel kernel on simulated processors |
 //! | `demo` | `demo` |
+//! | `ranks` | processes that mesh together: `ltbw-mpi` |
 //! | `vectors`, `kit` | `vectors`: a foreign program and the conformance kit |
 //! | `report` | the JSON report `ltbw.report/1` |
 //! | `outcome` | exit codes, and errors as one line |
@@ -65,6 +66,11 @@ mod picture;
 mod pieces;
 mod plc;
 mod progress;
+#[cfg(feature = "wire")]
+#[doc(hidden)]
+pub mod ranks;
+#[cfg(not(feature = "wire"))]
+mod ranks;
 mod refusal;
 mod remedy;
 mod report;
@@ -79,9 +85,10 @@ mod unrecovered;
 mod vectors;
 mod workers;
 
-use args::{Args, Command, Vectors};
+use args::{Args, Command, Delaunay, MeshArgs, Vectors};
 use clap::Parser;
 use outcome::{Exit, Failure};
+use ranks::Others;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -102,20 +109,21 @@ pub fn parse(words: &[OsString]) -> Result<(), Refusal> {
 pub fn main(backtraces: Option<OsString>) -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
     let result = machine::watch().and_then(|()| match Args::try_parse_from(&words) {
-        Ok(args) => dispatch(args, backtraces),
+        Ok(args) => dispatch(args, backtraces, None),
         Err(error) => refusal::explain(&error, &words),
     });
-    let exit = result.unwrap_or_else(|failure| {
-        let exit = failure.exit();
-        let is_early = exit == Exit::Machine && !matches!(failure, Failure::Write(_));
+    let code = result.map(|exit| exit as u8).unwrap_or_else(|failure| {
+        let code = failure.code();
+        let is_early = code == Exit::Machine as u8 && !matches!(failure, Failure::Write(_));
         let end = if is_early { "; nothing was written" } else { "" };
         console::people(&format!("ltbw: {failure}{end}"));
-        exit
+        code
     });
-    ExitCode::from(exit as u8)
+    ExitCode::from(code)
 }
 
-fn dispatch(args: Args, backtraces: Option<OsString>) -> Result<Exit, Failure> {
+/// Runs a command, as one of several processes if there are others.
+fn dispatch(args: Args, backtraces: Option<OsString>, others: Others<'_>) -> Result<Exit, Failure> {
     progress::show(match args.progress {
         // Lines of JSON are for a program, not for people.
         progress::Show::Bar if args.quiet => progress::Show::None,
@@ -125,14 +133,16 @@ fn dispatch(args: Args, backtraces: Option<OsString>) -> Result<Exit, Failure> {
         console::be_quiet();
     }
     match &args.command {
-        Command::Delaunay(asked) => machine::start_threads(asked.threads)?,
-        Command::Mesh(asked) => machine::start_threads(asked.threads)?,
+        Command::Delaunay(Delaunay { threads, .. }) | Command::Mesh(MeshArgs { threads, .. }) => {
+            let share = others.map(|others| machine::share(others.size()));
+            machine::start_threads(threads.or(share))?;
+        }
         Command::Completions { .. } | Command::Man { .. } | Command::Vectors(_) => {}
         _ => machine::start_threads(None)?,
     }
     match args.command {
-        Command::Delaunay(delaunay) => run::delaunay(&delaunay),
-        Command::Mesh(args) => mesh::mesh(&args),
+        Command::Delaunay(delaunay) => run::delaunay(&delaunay, others),
+        Command::Mesh(args) => mesh::mesh(&args, others),
         Command::Check(args) => check::check(&args),
         Command::Convert(convert) => files::convert(&convert),
         Command::Generate(generate) => files::generate(&generate),

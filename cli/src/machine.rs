@@ -35,6 +35,12 @@ pub(crate) fn watch() -> Result<(), Failure> {
     Ok(())
 }
 
+/// The threads of each of some processes that share this machine.
+pub(crate) fn share(processes: u32) -> u16 {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    u16::try_from(cores / processes.max(1) as usize).unwrap_or(u16::MAX).max(1)
+}
+
 /// Starts the threads that sort, check and write: the given number of them, or one for each core.
 pub(crate) fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from));

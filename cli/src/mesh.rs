@@ -11,6 +11,7 @@ use crate::outcome::{Exit, Failure, show};
 use crate::page::Scene;
 use crate::pieces::parts_of;
 use crate::progress::{Progress, Stage};
+use crate::ranks::Others;
 use crate::report::{Input, MeshPart, Predicates, Report, Seconds, quality_json, quality_line};
 use crate::rounds;
 use crate::surface::{print_patches, repairs_json};
@@ -55,23 +56,24 @@ pub(crate) struct Job<'a> {
 }
 
 /// `ltbw mesh`.
-pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
+pub(crate) fn mesh(args: &MeshArgs, others: Others<'_>) -> Result<Exit, Failure> {
     let start = Instant::now();
     let asked = asked(args)?;
     args.preparation.check(&[&args.domain])?;
-    let crew = args.workers.map(|workers| Crew { workers: workers.into(), mode: args.mode });
+    let workers = args.workers.map(u32::from).or(others.map(|others| others.size()));
+    let crew = workers.map(|workers| Crew { workers, mode: args.mode });
     // A `.poly` may have its points in a `.node`.
     let mut inputs = io::domain_files(&args.domain);
     inputs.extend(args.sizes.clone());
     inputs.extend(args.background.iter().flat_map(io::mesh_files));
-    let others =
+    let beside =
         [&args.json, &args.histogram, &args.page, &args.trace, &args.preparation.write_defects];
     let files = Files {
         input: &args.domain,
         inputs,
         outputs: &args.output,
         streams: &args.streams,
-        others: others.into_iter().flatten().cloned().collect(),
+        others: beside.into_iter().flatten().cloned().collect(),
         parts: parts_by(crew),
     };
     let outputs = files.look()?;
@@ -96,6 +98,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
             binding: binding(args, asked, flat_tolerance, source.reads()),
             stop: &stop,
             start,
+            others,
         },
         asked,
         field,
@@ -108,6 +111,9 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         trace: args.trace.as_deref(),
         excused_share: args.lenience.share(args.preparation.strict),
     };
+    if let Some(others) = others {
+        others.agree(&job.task.binding.inputs)?;
+    }
     mesh_domain(&ready, &job)
 }
 
@@ -117,7 +123,10 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let mut seconds = Seconds { read: task.start.elapsed().as_secs_f64(), ..Seconds::default() };
     print_domain(task.name, ready);
     let clock = Instant::now();
-    let (refined, made) = refined(job, ready)?;
+    let Some((refined, made)) = refined(job, ready)? else {
+        // The first process has the mesh.
+        return Ok(Exit::Done);
+    };
     seconds.refine = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     let stage = Stage::begin("hash");
@@ -236,7 +245,7 @@ fn parts_by(crew: Option<Crew>) -> usize {
     crew.map_or(1, |crew| crew.workers as usize)
 }
 
-fn refined(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> {
+fn refined(job: &Job<'_>, ready: &Prepared) -> Result<Option<(Refined, Made)>, Failure> {
     let progress = Progress::begin("recover", job.task.stop.begun());
     let mut refiner = job.asked.refiner().observer(&progress).cancel(job.task.stop.token());
     refiner = refiner.flat_tolerance(job.flat_tolerance);
@@ -246,7 +255,7 @@ fn refined(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> 
     if let Some(count) = job.max_points {
         refiner = refiner.max_points(count);
     }
-    refine(&refiner, ready, job.crew, job.task.stop, job.task.name)
+    refine(&refiner, ready, job.crew, &job.task)
 }
 
 /// Tells in a last line what is over a bound, if anything is.

@@ -92,15 +92,35 @@ pub(crate) enum Failure {
     /// The machine lacks memory or threads.
     #[error("{0}")]
     Machine(String),
+    /// Processes that mesh together have agreed to end, with this exit code.
+    #[cfg(feature = "wire")]
+    #[error("{why}")]
+    Agreed {
+        /// The code.
+        code: u8,
+        /// Why the first one of them refuses that does.
+        why: String,
+    },
     /// Something that must not happen.
     #[error("{0}")]
     Other(String),
 }
 
 impl Failure {
-    /// The exit code of this failure.
-    pub(crate) fn exit(&self) -> Exit {
+    /// The number of its exit code.
+    pub(crate) fn code(&self) -> u8 {
         match self {
+            #[cfg(feature = "wire")]
+            Failure::Agreed { code, .. } => *code,
+            other => other.exit() as u8,
+        }
+    }
+
+    /// The exit code of this failure.
+    fn exit(&self) -> Exit {
+        match self {
+            #[cfg(feature = "wire")]
+            Failure::Agreed { .. } => Exit::Usage,
             Failure::Machine(_)
             | Failure::Build { error: BuildError::Memory(_), .. }
             | Failure::Refine { error: RefineError::Build(BuildError::Memory(_)), .. } => {

@@ -10,6 +10,7 @@ use crate::outcome::{Exit, Failure, show};
 use crate::page::{self, Scene};
 use crate::pieces::part_of;
 use crate::progress::{Progress, Stage};
+use crate::ranks::Others;
 use crate::report::{Input, MeshPart, Predicates, Report};
 use crate::task::{Files, Judged, Task};
 use ltbw::balance::Balance;
@@ -44,9 +45,9 @@ struct ParallelJob<'a> {
 }
 
 /// `ltbw delaunay`.
-pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
+pub(crate) fn delaunay(args: &Delaunay, others: Others<'_>) -> Result<Exit, Failure> {
     let start = Instant::now();
-    let workers = args.threads.map_or(1, u32::from);
+    let workers = others.map_or(args.threads.map_or(1, u32::from), |others| others.size());
     let files = Files {
         input: &args.points,
         inputs: vec![args.points.clone()],
@@ -56,7 +57,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
         parts: workers as usize,
     };
     let outputs = files.look()?;
-    if workers < 2 && (args.trace.is_some() || args.tables || args.balance) {
+    if others.is_none() && workers < 2 && (args.trace.is_some() || args.tables || args.balance) {
         let text = "--trace, --tables and --balance are about several workers: --threads 2 or more";
         return Err(Failure::Usage(text.to_owned()));
     }
@@ -77,6 +78,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
         binding: Binding { inputs: source.reads().list(), options: Chosen::default() },
         stop: &stop,
         start,
+        others,
     };
     mesh_points(file, &Job { task, read_seconds: start.elapsed().as_secs_f64(), workers, parallel })
 }
@@ -90,7 +92,15 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
     let count = file.points.len();
     let set = PointSet::new(file.points)
         .map_err(|error| Failure::Points { path: task.name.to_owned(), error })?;
-    let Some(built) = build(&set, job)? else {
+    if let Some(others) = task.others {
+        others.agree(&task.binding.inputs)?;
+    }
+    let built = match build(&set, job)? {
+        Outcomes::Built(built) => Some(built),
+        Outcomes::Stopped => None,
+        Outcomes::Elsewhere => return Ok(Exit::Done),
+    };
+    let Some(built) = built else {
         let input = Input { points: count, ..Input::default() };
         let mut report = task.report(input, "cancelled");
         report.seconds.read = job.read_seconds;
@@ -99,7 +109,7 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
         return Ok(Exit::Stopped);
     };
     let mut report = report_of(&built, count, job);
-    let Built { mesh, outcome, workers, parts, summary, trace, .. } = built;
+    let Built { mesh, outcome, workers, parts, summary, trace, .. } = *built;
     report.workers = workers;
     report.parallel = summary.as_ref().map(Figures::of);
     if outcome == Outcome::Complete {
@@ -197,8 +207,17 @@ fn print_thickness(points: &[Point]) {
     }
 }
 
-/// Builds the mesh, on as many threads as the job has workers; none if it was stopped too early.
-fn build(set: &PointSet, job: &Job<'_>) -> Result<Option<Built>, Failure> {
+/// The outcome of a build.
+enum Outcomes {
+    Built(Box<Built>),
+    /// It was stopped too early.
+    Stopped,
+    /// The first process has the mesh.
+    Elsewhere,
+}
+
+/// Builds the mesh, on as many threads as the job has workers, or by all processes.
+fn build(set: &PointSet, job: &Job<'_>) -> Result<Outcomes, Failure> {
     let task = &job.task;
     let progress = Progress::begin("order", task.stop.begun());
     let mut builder = Builder::new().threads(job.workers);
@@ -208,15 +227,20 @@ fn build(set: &PointSet, job: &Job<'_>) -> Result<Option<Built>, Failure> {
     }
     // Taking the time takes some.
     let is_traced = task.page.is_some() || job.parallel.trace.is_some();
-    if task.json.is_some() || job.parallel.tables || is_traced {
+    if task.others.is_none() && (task.json.is_some() || job.parallel.tables || is_traced) {
         builder = builder.measure(if is_traced { SPANS } else { 0 });
     }
     if !task.outputs.in_parts.is_empty() || (task.page.is_some() && job.workers > 1) {
         builder = builder.parts();
     }
-    match builder.build(set) {
-        Ok(built) => Ok(Some(built)),
-        Err(RunError::Build(BuildError::Cancelled)) => Ok(None),
+    let built = match task.others {
+        Some(others) => others.build(&builder, set),
+        None => builder.build(set).map(Some),
+    };
+    match built {
+        Ok(Some(built)) => Ok(Outcomes::Built(Box::new(built))),
+        Ok(None) => Ok(Outcomes::Elsewhere),
+        Err(RunError::Build(BuildError::Cancelled)) => Ok(Outcomes::Stopped),
         Err(RunError::Build(error)) => Err(Failure::Build { path: task.name.to_owned(), error }),
         Err(error @ RunError::Threads { .. }) => Err(Failure::Machine(error.to_string())),
         Err(error) => Err(Failure::Other(error.to_string())),

@@ -8,6 +8,7 @@ use crate::json::{distinct, file_writable, keep_input, without_pairs, write_text
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
 use crate::progress::Stage;
+use crate::ranks::Others;
 use crate::report::{
     Input, MeshPart, Predicates, Report, Seconds, Spent, Written, end, peak_rss_bytes,
 };
@@ -86,6 +87,8 @@ pub(crate) struct Task<'a> {
     pub(crate) stop: &'a Stop,
     /// The start of the program.
     pub(crate) start: Instant,
+    /// The processes that mesh together, if there are several.
+    pub(crate) others: Others<'a>,
 }
 
 impl Task<'_> {

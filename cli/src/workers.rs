@@ -1,13 +1,15 @@
 //! The refinement of a domain, by one engine or by workers that share no mesh: in rounds, or as
 //! points come.
 
-use crate::console::{self, Stop};
+use crate::console;
 use crate::outcome::{Failure, show};
+use crate::task::Task;
 use ltbw::domain::Prepared;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
-use ltbw::refining::{Owners, RefineError, Splits, domain_on_threads, rounds_on_threads};
+use ltbw::refining::{
+    Owners, RefineError, Splits, ThreadedRounds, domain_on_threads, rounds_on_threads,
+};
 use ltbw::threads::{Parallel, RunError, WorkerStats};
-use std::path::Path;
 
 /// The part of workers in a refinement; of none if there were none.
 #[derive(Default)]
@@ -44,23 +46,30 @@ pub(crate) fn refine(
     refiner: &Refiner<'_>,
     ready: &Prepared,
     crew: Option<Crew>,
-    stop: &Stop,
-    name: &Path,
-) -> Result<(Refined, Made), Failure> {
+    task: &Task<'_>,
+) -> Result<Option<(Refined, Made)>, Failure> {
+    let name = task.name;
     let failed = |error| Failure::Refine { path: name.to_owned(), error };
     let whole = (&ready.domain, &ready.lattice);
     let Some(Crew { workers, mode }) = crew else {
-        return Ok((refiner.refine(whole.0, whole.1).map_err(failed)?, Made::default()));
+        return Ok(Some((refiner.refine(whole.0, whole.1).map_err(failed)?, Made::default())));
     };
-    let parallel = Parallel::new(workers).cancel(stop.token());
+    let token = task.stop.token();
+    let parallel = Parallel::new(workers).cancel(token);
     // The number of points that they have inserted, and why there is none.
-    let run = match mode {
-        Mode::Rounds => rounds_on_threads(refiner, whole, &parallel).map(|run| {
-            let points: u64 = run.workers.iter().map(|own| own.local + own.operations).sum();
-            let made = Made { workers: run.workers, owners: run.owners, ..Made::default() };
-            (run.refined, made, points, run.ending.err())
-        }),
-        Mode::Async => domain_on_threads(refiner, whole, &parallel).map(|run| {
+    let of_rounds = |run: ThreadedRounds| {
+        let points: u64 = run.workers.iter().map(|own| own.local + own.operations).sum();
+        let made = Made { workers: run.workers, owners: run.owners, ..Made::default() };
+        (run.refined, made, points, run.ending.err())
+    };
+    let run = match (mode, task.others) {
+        (_, Some(others)) => match others.refine(refiner, whole, (&parallel, token)) {
+            Ok(None) => return Ok(None),
+            Ok(Some(run)) => Ok(of_rounds(run)),
+            Err(error) => Err(error),
+        },
+        (Mode::Rounds, _) => rounds_on_threads(refiner, whole, &parallel).map(of_rounds),
+        (Mode::Async, _) => domain_on_threads(refiner, whole, &parallel).map(|run| {
             let splits = run.splits.as_ref().ok().copied();
             let points = splits.map_or(0, |own| own.inserted.iter().sum());
             let made = Made { workers: run.workers, owners: run.owners, splits, alone: None };
@@ -78,7 +87,7 @@ pub(crate) fn refine(
     let nothing = || "nothing was left that workers may insert".to_owned();
     let why = || unfit.map_or_else(nothing, |why| why.to_string());
     let alone = (is_whole && points == 0).then(why);
-    Ok((refined, Made { alone, ..made }))
+    Ok(Some((refined, Made { alone, ..made })))
 }
 
 /// Says for people what the workers have done.

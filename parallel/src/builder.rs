@@ -3,7 +3,7 @@
 use crate::balance::Balance;
 use crate::metrics::{Summary, Trace};
 use crate::sync::Mutex;
-use crate::threads::{PAUSE, Parallel, Run, RunError, WorkerStats};
+use crate::threads::{Distributed, PAUSE, Parallel, Run, RunError, WorkerStats};
 use ltbw_core::build::Builder as Sequential;
 use ltbw_core::{
     Budget, BuildError, CancelToken, Duplicate, Mesh, Observer, Order, Outcome, Phase, Progress,
@@ -201,17 +201,52 @@ impl<'a> Builder<'a> {
         sequential: &Sequential<'_>,
         set: &PointSet,
     ) -> Result<Built, RunError> {
+        self.still()?;
+        self.build_by(self.threads, sequential, set, |kernel, finish| {
+            self.still()?;
+            finish(kernel.build_distributed(set)?)
+        })
+    }
+
+    /// Builds the mesh as one member of a team, all of whose members are given the same points and
+    /// the same limits, and gives it to the first one.
+    ///
+    /// # Errors
+    /// As [`Parallel::build_on`]; a limit of tetrahedra is one for a single thread.
+    #[cfg(feature = "wire")]
+    #[doc(hidden)]
+    pub fn build_on<P: crate::team::Post>(
+        &self,
+        team: &mut crate::team::Team<P>,
+        set: &PointSet,
+    ) -> Result<Option<Built>, RunError> {
+        if self.budget.max_tets.is_some() {
+            return Err(RunError::Settings("a team has no limit of tetrahedra".to_owned()));
+        }
+        let sequential = Sequential::new().order(self.order).budget(self.budget);
+        let workers = team.size();
+        self.build_by(workers, &sequential, set, |kernel, finish| {
+            kernel.build_on(team, set)?.map(finish).transpose()
+        })
+    }
+
+    /// Builds the mesh by `workers` that `run` runs; what it is given puts their parts together.
+    fn build_by<R>(
+        &self,
+        workers: u32,
+        sequential: &Sequential<'_>,
+        set: &PointSet,
+        run: impl FnOnce(&Parallel<'_>, Finish<'_>) -> Result<R, RunError>,
+    ) -> Result<R, RunError> {
         let clock = Instant::now();
         let total = sequential.allowed(set.len());
         // Which points a budget allows, the order of all of them tells: some time for many.
         if let (Some(observer), true) = (self.observer, total < set.len()) {
             observer.progress(Progress { phase: Phase::Order, done: 0, total: Some(total as u64) });
         }
-        self.still()?;
         let only = sequential.allowed_points(set)?;
-        self.still()?;
         let choice_seconds = clock.elapsed().as_secs_f64();
-        let mut kernel = Parallel::new(self.threads).only(only.as_deref());
+        let mut kernel = Parallel::new(workers).only(only.as_deref());
         if let Some(token) = self.cancel {
             kernel = kernel.cancel(token);
         }
@@ -224,7 +259,19 @@ impl<'a> Builder<'a> {
         if let Some(spans) = self.spans {
             kernel = kernel.measure(spans);
         }
-        let apart = kernel.build_distributed(set)?;
+        run(&kernel, &|apart| {
+            let is_part = only.is_some();
+            self.put_together(&kernel, apart, (choice_seconds, is_part))
+        })
+    }
+
+    /// The mesh of all parts; whether the budget left points out, and the seconds to tell which.
+    fn put_together(
+        &self,
+        kernel: &Parallel<'_>,
+        apart: Distributed,
+        (choice_seconds, is_part): (f64, bool),
+    ) -> Result<Built, RunError> {
         let count = if self.parts { apart.parts() } else { 0 };
         let parts = (0..count).map(|part| apart.tets(part).collect()).collect();
         let run = kernel.gather(apart)?;
@@ -235,12 +282,15 @@ impl<'a> Builder<'a> {
         };
         let Run { mesh, outcome, duplicates, workers, summary, trace, .. } = run;
         let outcome = match outcome {
-            Outcome::Complete if only.is_some() => Outcome::Budget,
+            Outcome::Complete if is_part => Outcome::Budget,
             outcome => outcome,
         };
         Ok(Built { mesh, outcome, stats, duplicates, workers, summary, trace, parts })
     }
 }
+
+/// Puts the parts of workers together.
+type Finish<'f> = &'f dyn Fn(Distributed) -> Result<Built, RunError>;
 
 /// An observer that is called by time.
 struct Throttle<'a> {

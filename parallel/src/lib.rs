@@ -63,9 +63,15 @@ pub mod protocol;
 pub mod refining;
 pub mod simulate;
 mod sync;
+#[cfg(feature = "wire")]
+#[doc(hidden)]
+pub mod team;
 pub mod threads;
 #[doc(hidden)]
 pub mod transport;
+#[cfg(feature = "wire")]
+#[doc(hidden)]
+pub mod wire;
 
 pub use builder::{Builder, Built};
 pub use failure::WorkerError;

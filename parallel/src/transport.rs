@@ -8,6 +8,14 @@ use std::time::{Duration, Instant};
 /// The letter that workers send each other: a message of the protocol, with a word about the
 /// sender's load.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "Message<S>: serde::Serialize",
+        deserialize = "Message<S>: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Mail<S: Submesh> {
     /// The sender's points left; 0 if nobody wants to know.
     pub load: u64,

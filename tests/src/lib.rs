@@ -41,6 +41,7 @@ pub mod plant;
 pub mod require;
 pub mod small_world;
 pub mod solids;
+pub mod teams;
 
 use std::ops::Range;
 

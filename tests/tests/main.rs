@@ -26,5 +26,6 @@ mod rules;
 mod small_meshes;
 mod small_predicates;
 mod stacks;
+mod teams;
 mod tidy;
 mod ties;

@@ -9,6 +9,7 @@ mod generate;
 mod lines;
 mod measure;
 mod model_check;
+mod mpi;
 mod mutants;
 mod parts;
 mod pictures;
@@ -67,6 +68,8 @@ cargo xtask COMMAND
   vectors               writes the conformance kit verify/vectors
   c                     lints, builds and tests the C interface: header, examples under valgrind
   python                lints, builds and tests the Python package: wheel, doctests, tutorial
+  mpi [--ranks 1,2,3,4] builds and runs the program of parallel/mpi by mpirun: the hashes of ltbw,
+                        over shared memory and TCP, in time and late; refusals and faults
   dist [crates|program|c|python]...
                         what is published, in target/dist: crates packaged without a warning, the
                         archives of program and C interface, the wheel
@@ -106,6 +109,7 @@ fn main() -> ExitCode {
         "model-check" => model_check::run(rest),
         "tsan" => tsan::run(),
         "c" => c::run(),
+        "mpi" => mpi::run(rest),
         "coverage" => coverage::run(rest),
         "mutants" => mutants::run(rest),
         "slips" => slips::run(rest),

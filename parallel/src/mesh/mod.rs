@@ -14,6 +14,7 @@
 //! | `apply` | patches, and tetrahedra that move |
 //! | `start` | the coarse mesh, distributed |
 //! | `gather` | the submeshes, put together |
+//! | `share` | a submesh at its end, as a value that travels |
 //! | `inspect` | what checkers of the protocol see |
 //! | `probe` | a submesh as one that keeps more of it sees it |
 //! | `point_queue` | the points to insert, on many cursors |
@@ -32,6 +33,8 @@ mod name;
 mod piece;
 mod point_queue;
 mod probe;
+#[cfg(feature = "wire")]
+mod share;
 mod start;
 mod vertices;
 mod wire;
@@ -41,7 +44,11 @@ pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
 pub(crate) use probe::{Again, TETS_PER_VERTEX};
-pub(crate) use start::Cut;
+#[cfg(feature = "wire")]
+pub use share::{Share, ShareError};
+#[cfg(feature = "wire")]
+pub(crate) use share::{put_back, share_of};
+pub(crate) use start::{Cut, Wanted};
 pub use start::{Layout, Ownership, Prepared, SharedInput};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
 

@@ -118,18 +118,7 @@ impl Layout {
     /// # Errors
     /// As [`Builder::build`]: there is no first tetrahedron.
     pub fn distribute(&self, set: &PointSet) -> Result<Prepared, BuildError> {
-        self.prepare_some(set, None, None)
-    }
-
-    /// As [`Layout::distribute`], for the points `only`, by index, or all; `cancel` may end it
-    /// early.
-    pub(crate) fn prepare_some(
-        &self,
-        set: &PointSet,
-        only: Option<&[u32]>,
-        cancel: Option<&CancelToken>,
-    ) -> Result<Prepared, BuildError> {
-        self.prepare_with(set, only, None, cancel)
+        self.prepare(set, &Wanted::default())
     }
 
     /// As [`Layout::distribute`], with all points in the mesh that is distributed; if there is
@@ -140,16 +129,16 @@ impl Layout {
         cut: Option<Cut<'_>>,
     ) -> Result<Prepared, BuildError> {
         let whole = Self { sample: set.len(), ..*self };
-        whole.prepare_with(set, None, cut, None)
+        whole.prepare(set, &Wanted { cut, ..Wanted::default() })
     }
 
-    fn prepare_with(
+    /// As [`Layout::distribute`], of what is wanted.
+    pub(crate) fn prepare(
         &self,
         set: &PointSet,
-        only: Option<&[u32]>,
-        cut: Option<Cut<'_>>,
-        cancel: Option<&CancelToken>,
+        wanted: &Wanted<'_>,
     ) -> Result<Prepared, BuildError> {
+        let Wanted { only, cut, cancel, of } = *wanted;
         let kernel = set.kernel_points();
         let order = match only {
             None => cut.map_or_else(|| hilbert(&kernel), |cut| cut.curve.order(&kernel)),
@@ -180,7 +169,7 @@ impl Layout {
         // The one is sequential, the other mostly waits for memory.
         let (coarse, mut workers) = rayon::join(
             || coarse_mesh(&points, &sample),
-            || self.submeshes(&params, &blocks, &points),
+            || self.submeshes(&params, &blocks, &points, of),
         );
         let coarse = coarse?;
         let coarse = Coarse { mesh: &coarse, sample: &sample };
@@ -195,9 +184,8 @@ impl Layout {
         }
         let workers = workers
             .into_par_iter()
-            .enumerate()
-            .map(|(me, mesh)| {
-                let me = WorkerId::at(me);
+            .map(|mesh| {
+                let me = mesh.me;
                 let range = self.range(me, &blocks);
                 let ranks = [range.start, range.end]
                     .map(|v| sample.partition_point(|&rank| rank < v.saturating_sub(1)));
@@ -258,8 +246,15 @@ impl Layout {
         pieces
     }
 
-    /// A submesh for each worker, without tetrahedra, with the points of its range.
-    fn submeshes(&self, params: &MeshParams, blocks: &Blocks, points: &[Point]) -> Vec<LocalMesh> {
+    /// A submesh for each worker, or for one alone, without tetrahedra, with the points of its
+    /// range.
+    fn submeshes(
+        &self,
+        params: &MeshParams,
+        blocks: &Blocks,
+        points: &[Point],
+        of: Option<WorkerId>,
+    ) -> Vec<LocalMesh> {
         let submesh = |me| {
             let me = WorkerId::new(me);
             let range = self.range(me, blocks);
@@ -277,7 +272,9 @@ impl Layout {
                 .set_points(VertexId::new(1), &points[range.start as usize - 1..][..range.len()]);
             mesh
         };
-        (0..self.workers).into_par_iter().map(submesh).collect()
+        let all = 0..self.workers;
+        let wanted = all.filter(|&me| of.is_none_or(|of| of.number() == me)).collect::<Vec<_>>();
+        wanted.into_par_iter().map(submesh).collect()
     }
 
     /// The owner of a block at the start.
@@ -299,6 +296,19 @@ pub(crate) struct Cut<'a> {
     pub(crate) curve: Curve,
     /// The weights of some places.
     pub(crate) weights: &'a [Weight],
+}
+
+/// The part of a start that is wanted.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Wanted<'a> {
+    /// The points, by index, or all.
+    pub(crate) only: Option<&'a [u32]>,
+    /// The cut into blocks, if not by numbers of points.
+    pub(crate) cut: Option<Cut<'a>>,
+    /// May end it early.
+    pub(crate) cancel: Option<&'a CancelToken>,
+    /// The only worker that is made: the others are elsewhere.
+    pub(crate) of: Option<WorkerId>,
 }
 
 /// Workers ready to run.
@@ -370,11 +380,15 @@ fn distribute(
     let mut gone = vec![Gone::default(); topology.slots()];
     let block_of = |&t: &TetId| corners(t).map_or(BlockId::default(), |v| blocks.of_tet(v));
     let block_of_each: Vec<BlockId> = tets.par_iter().map(block_of).collect();
+    // Those of one worker alone, if nobody else is here.
+    let first = workers.first().map_or(0, |mesh| mesh.me.index());
     let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
     for (&t, block) in tets.iter().zip(block_of_each) {
         let owner = owners[block.index()];
         gone[t.index()] = Gone { block, owner, local: TetId::default() };
-        theirs[owner.index()].push(t);
+        if let Some(own) = owner.index().checked_sub(first).and_then(|k| theirs.get_mut(k)) {
+            own.push(t);
+        }
     }
     let create = |(mesh, tets): (&mut LocalMesh, &Vec<TetId>)| {
         let mut made = Vec::with_capacity(tets.len());

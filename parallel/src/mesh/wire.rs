@@ -14,6 +14,7 @@ pub struct WireVertex {
     /// Its name.
     pub name: VertexName,
     /// The bits of its kernel coordinates.
+    #[cfg_attr(feature = "wire", serde(with = "crate::wire::bits"))]
     pub bits: [u64; 3],
 }
 

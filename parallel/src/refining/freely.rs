@@ -2,7 +2,7 @@
 
 use super::RefineError;
 use super::domain::{BadItems, DomainMesh, DomainNode, Splits, prepare};
-use super::whole::{Owners, Whole, put_together};
+use super::whole::{Owners, Part, Whole, put_together};
 use crate::mesh::Layout;
 use crate::metrics::Summary;
 use crate::protocol::{Config, Correct, Rules};
@@ -73,7 +73,7 @@ fn refine<'a, C: Rules, R>(
     for worker in workers {
         let (mesh, source, _) = worker.into_parts();
         splits.add(&source.splits);
-        parts.push(mesh);
+        parts.push(Part::of(mesh));
     }
     let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
     let (asked, candidates, thin, stats) = (Vec::new(), 0, None, delegated.stats());

@@ -16,6 +16,8 @@ pub use news::{
     DomainNews, Entrant, Fate, KeysTold, Owned, PartEnd, ProbeId, Proposal, Report, Reported, Sums,
     WireClosure, WireCorner, WireItem,
 };
+#[cfg(feature = "wire")]
+pub use rounds::rounds_on_team;
 pub use rounds::{
     Ending, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN, ThreadedRounds,
     Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds, unkilled,

@@ -23,7 +23,9 @@ pub(crate) fn point(bits: &Bits) -> Point {
 
 /// A vertex in a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct WireCorner {
+    #[cfg_attr(feature = "wire", serde(with = "crate::wire::bits"))]
     pub(crate) at: Bits,
     pub(crate) carrier: Carrier,
 }
@@ -40,6 +42,7 @@ impl WireCorner {
 
 /// A boundary item in a message: its corners, and its segment or facet.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct WireItem {
     corners: Vec<WireCorner>,
     of: u32,
@@ -58,6 +61,7 @@ impl WireItem {
 
 /// A probe: its home, and its number there in this round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProbeId {
     pub(crate) home: WorkerId,
     pub(crate) number: u32,
@@ -65,8 +69,10 @@ pub struct ProbeId {
 
 /// A probe with its point, which is a candidate of this rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Proposal {
     pub(crate) probe: ProbeId,
+    #[cfg_attr(feature = "wire", serde(with = "crate::wire::bits"))]
     pub(crate) to: Bits,
     pub(crate) carrier: Carrier,
     pub(crate) rank: Rank,
@@ -74,6 +80,7 @@ pub struct Proposal {
 
 /// Where an owner's part of a probe has ended.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum PartEnd {
     /// Everything asked for was looked at.
     Found,
@@ -88,6 +95,7 @@ pub enum PartEnd {
 /// An owner's part of a closure: tetrahedra by their corners, and whether each is in
 /// conflict.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct WireClosure {
     pub(crate) corners: Vec<WireCorner>,
     pub(crate) tets: Vec<([u32; 4], bool)>,
@@ -183,6 +191,7 @@ pub(crate) fn rival(byte: u8) -> Rival {
 
 /// News of common faces, which the receiver knows by these tetrahedra and faces of his own.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum KeysTold {
     /// In the first exchange of a round: the ranks of the sender's tetrahedra over their bounds.
     Ranks(Vec<(Name, u8, Rank)>),
@@ -198,6 +207,7 @@ pub type Sums = [i64; SUMS];
 
 /// News of a domain.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum DomainNews {
     /// News of the faces that the sender has in common with the receiver.
     Keys {
@@ -217,6 +227,7 @@ pub enum DomainNews {
         /// The tetrahedron and face that it comes in by.
         at: Handle,
         /// The place where it started.
+        #[cfg_attr(feature = "wire", serde(with = "crate::wire::bits"))]
         start: Bits,
         /// May the point be inserted?
         may: bool,
@@ -284,7 +295,10 @@ pub enum DomainNews {
     /// asked again. (Without rounds.)
     Ended([VertexName; 3]),
     /// Some news, one after the other.
-    Several(Vec<DomainNews>),
+    Several(
+        #[cfg_attr(feature = "wire", serde(deserialize_with = "crate::wire::flat::deserialize"))]
+        Vec<DomainNews>,
+    ),
 }
 
 /// The kinds of news that barriers wait for, in the order in which a round has them.

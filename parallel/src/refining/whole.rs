@@ -37,29 +37,47 @@ pub(super) struct Whole {
     pub(super) firsts: Vec<usize>,
 }
 
-/// Puts the submeshes of all workers together, which began with `start`.
+/// One worker's part of the mesh.
+pub(super) struct Part {
+    pub(super) mesh: LocalMesh,
+    /// Where those of its vertices live that workers have made and tetrahedra have.
+    pub(super) made: Vec<(VertexName, Carrier)>,
+    /// The regions of its finite tetrahedra, by slot.
+    pub(super) regions: Vec<u32>,
+}
+
+impl Part {
+    /// The part that a submesh is.
+    pub(super) fn of(mut mesh: DomainMesh<'_>) -> Self {
+        let regions = mesh.take_regions();
+        let is_used = used_vertices(&mesh.inner);
+        let used = VertexId::below(mesh.inner.num_vertices() as u32 + 1)
+            .filter(|v| is_used.has(v.index()));
+        let named = used.filter(|&v| v != INFINITE).map(|v| (mesh.inner.name(v), mesh.carrier(v)));
+        let made = named.filter(|&(name, _)| given(name).is_none()).collect();
+        Self { mesh: mesh.inner, made, regions }
+    }
+}
+
+/// Puts the parts of all workers together, which began with `start`.
 ///
 /// # Errors
 /// A defect of the protocol, or too many tetrahedra.
 pub(super) fn put_together(
-    parts: Vec<DomainMesh<'_>>,
+    parts: Vec<Part>,
     common: SharedInput,
     start: &Start,
 ) -> Result<Whole, RefineError> {
     let mut made: Vec<(VertexName, Carrier)> = Vec::new();
     let (mut regions, mut firsts, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
-    for mut mesh in parts {
+    for part in parts {
         firsts.push(regions.len());
         match regions.is_empty() {
-            true => regions = mesh.take_regions(),
-            false => regions.extend(mesh.take_regions()),
+            true => regions = part.regions,
+            false => regions.extend(part.regions),
         }
-        let is_used = used_vertices(&mesh.inner);
-        let used = VertexId::below(mesh.inner.num_vertices() as u32 + 1)
-            .filter(|v| is_used.has(v.index()));
-        let named = used.filter(|&v| v != INFINITE).map(|v| (mesh.inner.name(v), mesh.carrier(v)));
-        made.extend(named.filter(|&(name, _)| given(name).is_none()));
-        meshes.push(mesh.inner);
+        made.extend(part.made);
+        meshes.push(part.mesh);
     }
     // Vertices that were made have the numbers after those given, in the order of their names.
     made.par_sort_unstable_by_key(|&(name, _)| name);

@@ -28,4 +28,12 @@ pub enum RunError {
     /// The submeshes could not be put together.
     #[error(transparent)]
     Gather(#[from] GatherError),
+    /// A worker elsewhere, or what came from it.
+    #[cfg(feature = "wire")]
+    #[error(transparent)]
+    Team(#[from] crate::team::TeamError),
+    /// What came from a worker elsewhere is no part of the mesh.
+    #[cfg(feature = "wire")]
+    #[error(transparent)]
+    Share(#[from] crate::mesh::ShareError),
 }

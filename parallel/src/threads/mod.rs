@@ -6,6 +6,8 @@
 mod distributed;
 mod failure;
 mod hooks;
+#[cfg(feature = "wire")]
+mod ranks;
 mod spawn;
 mod teller;
 mod watchdog;
@@ -20,7 +22,7 @@ use crate::balance::{Balance, Workload};
 use crate::mailbox::connect;
 #[doc(inline)]
 pub use crate::mesh::{Layout, Ownership};
-use crate::mesh::{LocalMesh, PointQueue, Prepared, SharedInput};
+use crate::mesh::{LocalMesh, PointQueue, Prepared, SharedInput, Wanted};
 use crate::metrics::{Collector, SubmeshSize, Summary, Trace};
 use crate::payload::Payload;
 #[doc(inline)]
@@ -283,7 +285,7 @@ impl<'a> Parallel<'a> {
         }
         self.listener.tell(Phase::Order, 0, total);
         let layout = Layout { reserve: true, ..layout };
-        let prepared = layout.prepare_some(set, self.only, self.cancel)?;
+        let prepared = layout.prepare(set, &self.wanted())?;
         let Prepared { workers, common, started } = prepared;
         let config = self.config();
         let nodes: Vec<Node> = workers
@@ -297,6 +299,11 @@ impl<'a> Parallel<'a> {
     pub(crate) fn config(&self) -> Config {
         let Self { rule, closure, window, .. } = *self;
         Config { rule, closure, window, ..Config::new(self.workers) }
+    }
+
+    /// The part of the start that this process makes.
+    fn wanted(&self) -> Wanted<'_> {
+        Wanted { only: self.only, cancel: self.cancel, ..Wanted::default() }
     }
 
     /// Runs workers until all points are in, and gives them back with their figures.

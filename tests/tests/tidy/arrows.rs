@@ -37,6 +37,7 @@ pub(crate) const CRATES: &[Crate] = &[
     on(5, "ltbw_bindings", "bindings/common"),
     on(6, "ltbw_python", "bindings/python"),
     on(6, "ltbw_c", "bindings/c"),
+    on(6, "ltbw_mpi", "parallel/mpi"),
     alone("xtask", "xtask"),
 ];
 

@@ -24,6 +24,7 @@ pub(crate) type Grid = [i64; 3];
 /// Where a vertex lives.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Carrier {
     /// It is an input vertex.
     Corner(u32),

@@ -21,6 +21,7 @@ const UNKNOWN: u32 = MAX_REGION;
 
 /// A region as the domain describes it.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RegionInfo {
     /// The region of the domain whose seed lies in it; `None` for one without a seed.
     pub seed: Option<u32>,

@@ -18,6 +18,7 @@ pub const NOWHERE: u32 = u32::MAX;
 /// A vertex.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Corner {
     /// Its coordinates.
     pub point: Point,
@@ -50,6 +51,7 @@ impl Closure {
 /// A boundary item by its corners, which are sorted: two of a subsegment, three of a subface.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundaryItem {
     corners: [Corner; 3],
     count: usize,
@@ -60,6 +62,7 @@ pub struct BoundaryItem {
 /// The place of an item in an order by coordinates: subsegments first.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ItemPlace(usize, [OrderKey; 3]);
 
 impl ItemPlace {
@@ -79,6 +82,7 @@ impl ItemPlace {
 /// the smaller one comes first.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RankLead {
     class: u8,
     key: Reverse<u64>,
@@ -105,6 +109,7 @@ impl RankLead {
 /// The place of a candidate in the order of a round: the smaller one comes first.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rank {
     lead: RankLead,
     place: [OrderKey; 4],

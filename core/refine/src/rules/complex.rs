@@ -32,6 +32,7 @@ pub enum ComplexError {
 /// A mesh to start with, all subsegments and subfaces in it. Vertices are numbered from 0.
 #[doc(hidden)]
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Start {
     /// The coordinates of a vertex of the mesh, as [`Mode::from_kernel`] makes them of those here.
     pub mode: Mode,

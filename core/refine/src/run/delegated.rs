@@ -47,6 +47,7 @@ impl std::fmt::Debug for Delegated<'_> {
 /// A boundary item that was still to be split.
 #[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Asked {
     /// The item.
     pub item: BoundaryItem,

@@ -26,6 +26,7 @@ pub(super) fn subface_key(mut corners: [VertexName; 3]) -> ItemKey {
 
 /// A point that is to split something.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct DomainPoint {
     pub(super) vertex: WireVertex,
     pub(super) carrier: Carrier,
@@ -95,6 +96,7 @@ pub(super) type Regions = SmallVec<[u32; 1]>;
 
 /// A tetrahedron in conflict at which something may be boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct NearTet {
     /// Its vertices, positively oriented, by their places among the piece's; the one at infinity is
     /// [`NOWHERE`](ltbw_refine::NOWHERE).
@@ -105,6 +107,7 @@ pub(super) struct NearTet {
 
 /// A boundary item that goes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Asked {
     pub(super) key: ItemKey,
     /// Its segment or facet.
@@ -117,6 +120,7 @@ pub(super) struct Asked {
 
 /// One owner's tetrahedra in conflict, with the boundary.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct DomainPiece {
     pub(super) piece: Piece,
     /// Its vertices on the boundary.
@@ -137,6 +141,7 @@ impl AsRef<Piece> for DomainPiece {
 
 /// Tetrahedra of a block that moves.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct DomainCargo {
     pub(super) tets: Vec<Moving>,
     /// Their vertices on the boundary.
@@ -147,6 +152,7 @@ pub struct DomainCargo {
 
 /// The end of an operation whose closure was locked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum End {
     /// The point is a vertex.
     Inserted,
@@ -160,6 +166,7 @@ pub(super) enum End {
 
 /// The changes of one worker's submesh, or a boundary item of its that goes first.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct DomainPatch {
     pub(super) patch: Patch,
     /// Its vertices on the boundary.

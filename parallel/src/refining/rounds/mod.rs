@@ -32,6 +32,7 @@
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
 //! | `way` | straight ways to proposed points |
+//! | `ranks` | a worker in each process of a team |
 
 mod ahead;
 mod candidate;
@@ -44,6 +45,8 @@ mod keys;
 mod mail;
 mod probe;
 mod ranked;
+#[cfg(feature = "wire")]
+mod ranks;
 mod reserved;
 mod serve;
 mod source;
@@ -53,13 +56,15 @@ mod turns;
 mod under_way;
 mod way;
 
+#[cfg(feature = "wire")]
+pub use ranks::rounds_on_team;
 pub use reserved::unkilled;
 pub use source::{Ending, RoundFigures, Rounds};
 pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
 
 use super::RefineError;
 use super::domain::{DomainMesh, prepare};
-use super::whole::{Owners, Whole, put_together};
+use super::whole::{Owners, Part, Whole, put_together};
 use crate::balance::Workload;
 use crate::mesh::{Layout, SharedInput};
 use crate::metrics::Summary;
@@ -69,7 +74,9 @@ use crate::threads::{Parallel, WorkerStats};
 use demands::Pending;
 use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
-use ltbw_refine::{Asked, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start};
+use ltbw_refine::{
+    Asked, Complex, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start,
+};
 
 /// A worker that refines a domain in rounds.
 pub type RoundNode<'c, C> = Worker<DomainMesh<'c>, Rounds<C>, C>;
@@ -106,7 +113,7 @@ pub struct ThreadedRounds {
 }
 
 /// The work that workers leave to one, how they have ended, and the first slot of each.
-type Left = (Handed, Ending, Vec<usize>);
+type All = (Handed, Ending, Vec<usize>);
 
 /// A refinement at its end, how the workers' rounds have ended, or why there were none, their
 /// figures, and the first slot of each.
@@ -114,9 +121,26 @@ type AllRounds = (Refined, Result<Ending, ComplexError>, RoundFigures, Vec<usize
 
 /// The state from which workers go on in rounds.
 #[derive(Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 struct Resumed {
     asked: Vec<Asked>,
     candidates: usize,
+    figures: RoundFigures,
+}
+
+/// Workers, and what they have in common.
+type Begun<'c, C> = (Vec<RoundNode<'c, C>>, SharedInput);
+
+/// The work that one worker leaves, beside its part of the mesh.
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
+struct Left {
+    worker: WorkerId,
+    asked: Vec<Asked>,
+    /// Candidates among the tetrahedra when last counted.
+    candidates: usize,
+    /// Its tetrahedra that may have tiny dihedral angles.
+    thin: Vec<TetId>,
+    ending: Option<Ending>,
     figures: RoundFigures,
 }
 
@@ -140,20 +164,12 @@ fn refine<'a, C: Rules>(
             Ok(whole) => whole,
             Err(unfit) => return Ok((delegated.go_on()?, Err(unfit), resumed.figures, firsts)),
         };
-        let (layout, config) = layout(start.points.len());
-        let before = start.made();
-        let source = |me, mesh: &mut DomainMesh<'_>| {
-            let place = (me, layout.workers, layout.blocks_per_worker);
-            let mut source = Rounds::new(place, (before, start.most), mesh);
-            source.expect_tets(start.expected_of(layout.workers));
-            source.resume(mesh, &resumed.asked, resumed.candidates, resumed.figures);
-            source
-        };
-        let (workers, common) = prepare(complex, &start, &layout, config, source)?;
-        let workers = run(workers)?;
-        let before = delegated.stats();
+        let layout = layout(start.points.len());
+        let (workers, common) = begin(complex, &start, layout, &resumed)?;
+        let left = run(workers)?.into_iter().map(left_by).collect();
         let mut figures = resumed.figures;
-        let (handed, ending, slots) = left_by(workers, common, &start, before, &mut figures)?;
+        let (handed, ending, slots) =
+            join(left, common, (&start, delegated.stats()), &mut figures)?;
         firsts = slots;
         figures.ended += 1;
         if ending != Ending::Circles {
@@ -236,30 +252,57 @@ pub fn rounds_on_threads(
     Ok(ThreadedRounds { refined, workers, owners: Owners(firsts), ending, figures })
 }
 
-/// Puts together what workers have; `before` are the figures when they began, `figures` all.
-fn left_by<C: Rules>(
-    workers: Vec<RoundNode<'_, C>>,
-    common: SharedInput,
+/// Workers at the begin of their rounds, each with its part of the start.
+fn begin<'c, C: Rules>(
+    complex: Complex<'c>,
     start: &Start,
-    before: RefineStats,
+    (layout, config): (Layout, Config),
+    resumed: &Resumed,
+) -> Result<Begun<'c, C>, RefineError> {
+    let before = start.made();
+    let source = |me, mesh: &mut DomainMesh<'_>| {
+        let place = (me, layout.workers, layout.blocks_per_worker);
+        let mut source = Rounds::new(place, (before, start.most), mesh);
+        source.expect_tets(start.expected_of(layout.workers));
+        source.resume(mesh, &resumed.asked, resumed.candidates, resumed.figures);
+        source
+    };
+    prepare(complex, start, &layout, config, source)
+}
+
+/// The part of a worker at the end of its rounds, and the work that it leaves.
+fn left_by<C: Rules>(worker: RoundNode<'_, C>) -> (Part, Left) {
+    let (mesh, source, _) = worker.into_parts();
+    let (pending, candidates, thin, ending, figures) = source.into_parts(&mesh);
+    let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
+    let asked = pending.into_iter().map(left).collect();
+    let left = Left { worker: mesh.me(), asked, candidates, thin, ending, figures };
+    (Part::of(mesh), left)
+}
+
+/// Puts together what workers leave; `before` are the figures when they began, `figures` all.
+fn join(
+    all: Vec<(Part, Left)>,
+    common: SharedInput,
+    (start, before): (&Start, RefineStats),
     figures: &mut RoundFigures,
-) -> Result<Left, RefineError> {
+) -> Result<All, RefineError> {
     let (mut parts, mut asked, mut all_thin) = (Vec::new(), Vec::new(), Vec::new());
     let (mut ending, mut candidates) = (Ending::Done, 0);
     let before_all = [figures.searches, figures.ahead];
     let mut sums = before_all;
-    for worker in workers {
-        let (mesh, source, _) = worker.into_parts();
-        let (pending, counted, thin, end, own) = source.into_parts(&mesh);
-        all_thin.push(thin);
-        let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
-        asked.extend(pending.into_iter().map(left));
+    for (part, left) in all {
+        let own = left.figures;
+        all_thin.push(left.thin);
+        asked.extend(left.asked);
         let counts = [own.searches, own.ahead].into_iter().zip(before_all);
-        sums.iter_mut().zip(counts).for_each(|(sum, (own, before))| *sum += own - before);
-        if mesh.me() == WorkerId::default() {
-            (ending, candidates, *figures) = (end.unwrap_or(Ending::Irregular), counted, own);
+        let add = |(sum, (own, before)): (&mut u64, (u64, u64))| *sum += own.saturating_sub(before);
+        sums.iter_mut().zip(counts).for_each(add);
+        if left.worker == WorkerId::default() {
+            ending = left.ending.unwrap_or(Ending::Irregular);
+            (candidates, *figures) = (left.candidates, own);
         }
-        parts.push(mesh);
+        parts.push(part);
     }
     [figures.searches, figures.ahead] = sums;
     let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;

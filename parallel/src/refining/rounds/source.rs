@@ -24,6 +24,7 @@ use std::marker::PhantomData;
 
 /// Why no round follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum Ending {
     /// No tetrahedron is left that may be split.
     Done,
@@ -39,6 +40,7 @@ pub enum Ending {
 
 /// The figures of the rounds, of one worker or of all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoundFigures {
     /// Rounds that inserted points: all, and with points on segments, on facets, inside.
     pub rounds: [u64; 4],

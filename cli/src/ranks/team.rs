@@ -1,0 +1,247 @@
+//! A process as one of a team: how it begins, agrees with the others, and ends.
+
+use super::Ranks;
+use crate::args::{Args, Command};
+use crate::binding::{Read, sha256};
+use crate::outcome::{Exit, Failure};
+use crate::{console, dispatch, machine, refusal};
+use clap::Parser;
+use ltbw::refine::Refiner;
+use ltbw::refining::{RefineError, ThreadedRounds, rounds_on_team};
+use ltbw::team::{LetterFigures, Post, Team, TeamError};
+use ltbw::threads::{Parallel, RunError};
+use ltbw::wire::VERSION;
+use ltbw::{Builder, Built, CancelToken, Domain, Lattice, PointSet};
+use serde::{Deserialize, Serialize};
+use std::cell::{Cell, RefCell};
+use std::ffi::OsString;
+
+/// The end of a process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// As all others, with this exit code.
+    Together(u8),
+    /// With this exit code while others may wait for it: the job has to end.
+    Alone(u8),
+}
+
+/// The word of a process before the work.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Word {
+    /// It has read an input with this fingerprint.
+    Ready(String),
+    /// It refuses, with this exit code and for this reason.
+    Refuses(u8, String),
+}
+
+/// A process as it introduces itself.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Hello {
+    /// The version of the letters and of the program, and the hash of its file.
+    build: String,
+    words: Vec<String>,
+}
+
+/// The team, and how far it has come.
+struct Member<'t, P> {
+    team: RefCell<&'t mut Team<P>>,
+    /// All have agreed to begin, or not to.
+    has_agreed: Cell<bool>,
+    /// The team is not one any more.
+    is_broken: Cell<bool>,
+}
+
+impl<P: Post> Member<'_, P> {
+    /// Tells this process's word, and hears all: each finds the same, the first refusal if there
+    /// is one.
+    fn speak(&self, own: &Word) -> Result<(), Failure> {
+        self.has_agreed.set(true);
+        let all = self.team.borrow_mut().gather_all(own).map_err(|error| self.lost(&error))?;
+        let refusal = (0..).zip(&all).find_map(|(rank, word): (u32, _)| match word {
+            Word::Ready(_) => None,
+            Word::Refuses(code, why) => Some(match rank {
+                0 => Failure::Agreed { code: *code, why: why.clone() },
+                _ => Failure::Agreed { code: *code, why: format!("rank {rank}: {why}") },
+            }),
+        });
+        let other = all.iter().position(|word| *word != all[0]);
+        match (refusal, other) {
+            (Some(refusal), _) => Err(refusal),
+            (None, Some(rank)) => {
+                let why = format!("rank {rank} has read another input than rank 0");
+                Err(Failure::Agreed { code: Exit::Input as u8, why })
+            }
+            (None, None) => Ok(()),
+        }
+    }
+
+    /// The team has failed.
+    fn lost(&self, error: &TeamError) -> Failure {
+        self.is_broken.set(true);
+        Failure::Other(error.to_string())
+    }
+}
+
+impl<P: Post> Ranks for Member<'_, P> {
+    fn size(&self) -> u32 {
+        self.team.borrow().size()
+    }
+
+    fn agree(&self, inputs: &[Read]) -> Result<(), Failure> {
+        self.speak(&Word::Ready(fingerprint(inputs)))
+    }
+
+    fn build(&self, builder: &Builder<'_>, set: &PointSet) -> Result<Option<Built>, RunError> {
+        let built = builder.build_on(*self.team.borrow_mut(), set);
+        // The points are the same everywhere.
+        let is_lost = |error: &RunError| !matches!(error, RunError::Build(_));
+        self.is_broken.set(built.as_ref().is_err_and(is_lost));
+        built
+    }
+
+    fn refine(
+        &self,
+        refiner: &Refiner<'_>,
+        whole: (&Domain, &Lattice),
+        of: (&Parallel<'_>, &CancelToken),
+    ) -> Result<Option<ThreadedRounds>, RefineError> {
+        let refined = rounds_on_team(refiner, whole, of, *self.team.borrow_mut());
+        let is_lost = |error: &RefineError| {
+            !matches!(error, RefineError::Build(_) | RefineError::Domain(_) | RefineError::Range)
+        };
+        self.is_broken.set(refined.as_ref().is_err_and(is_lost));
+        refined
+    }
+}
+
+/// The hash of what was read.
+fn fingerprint(inputs: &[Read]) -> String {
+    let texts: Vec<&str> = inputs.iter().map(|read| read.sha256.as_str()).collect();
+    sha256(texts.join("\n").as_bytes())
+}
+
+/// This process as it introduces itself.
+fn hello(words: &[OsString]) -> Hello {
+    let program = std::env::current_exe().and_then(std::fs::read);
+    let program = program.map_or_else(|error| error.to_string(), |bytes| sha256(&bytes));
+    let build = format!("{VERSION} {} {program}", env!("CARGO_PKG_VERSION"));
+    let words = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    Hello { build, words }
+}
+
+/// Finds out whether all processes are of one build, and have one command line.
+fn introduce<P: Post>(team: &mut Team<P>, words: &[OsString]) -> Result<(), Failure> {
+    let other = |rank: usize, what: &str| Failure::Agreed {
+        code: Exit::Usage as u8,
+        why: format!("rank {rank} has another {what} than rank 0"),
+    };
+    let all = match team.gather_all(&hello(words)) {
+        Ok(all) => all,
+        // Another build may introduce itself in another way.
+        Err(TeamError::Wire(error)) => return Err(other(error.from.index(), "build")),
+        Err(error) => return Err(Failure::Other(error.to_string())),
+    };
+    let find = |differs: fn(&Hello, &Hello) -> bool| all.iter().position(|h| differs(h, &all[0]));
+    if let Some(rank) = find(|a, b| a.build != b.build) {
+        return Err(other(rank, "build"));
+    }
+    match find(|a, b| a.words != b.words) {
+        Some(rank) => Err(other(rank, "command line")),
+        None => Ok(()),
+    }
+}
+
+/// Runs the program on the command line of this process, as one of a team.
+pub fn run<P: Post>(team: &mut Team<P>) -> Ended {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let is_first = team.is_first();
+    if let Err(failure) = machine::watch().and_then(|()| introduce(team, &words)) {
+        return match &failure {
+            Failure::Agreed { code, .. } => {
+                tell(is_first, &failure);
+                Ended::Together(*code)
+            }
+            _ => alone(team, &failure),
+        };
+    }
+    let (has_agreed, is_broken) = Default::default();
+    let member = Member { team: RefCell::new(team), has_agreed, is_broken };
+    let result = match Args::try_parse_from(&words) {
+        Ok(args) => begin(args, &member, is_first),
+        // All have the same words.
+        Err(error) => {
+            let code = if is_first { refusal::explain(&error, &words) } else { Ok(Exit::Usage) };
+            member.has_agreed.set(true);
+            code
+        }
+    };
+    let result = match result {
+        Err(failure) if !member.has_agreed.get() => {
+            let why = failure.to_string();
+            member.speak(&Word::Refuses(failure.code(), why)).map(|()| Exit::Done)
+        }
+        other => other,
+    };
+    let (is_broken, team) = (member.is_broken.get(), member.team.into_inner());
+    let code = match &result {
+        Ok(exit) => *exit as u8,
+        Err(failure) if is_broken => return alone(team, failure),
+        Err(failure) => {
+            tell(is_first, failure);
+            failure.code()
+        }
+    };
+    if let Err(error) = print_letters(team) {
+        return alone(team, &Failure::Other(error.to_string()));
+    }
+    // The first one's counts: the others end when it has.
+    match team.tell_value(is_first.then_some(code)) {
+        Ok(code) => Ended::Together(code),
+        Err(error) => alone(team, &Failure::Other(error.to_string())),
+    }
+}
+
+/// Says for people what processes have sent each other.
+fn print_letters<P: Post>(team: &mut Team<P>) -> Result<(), TeamError> {
+    let mut sum = LetterFigures::default();
+    let own = team.figures();
+    team.gather_values(&own)?.into_iter().flatten().for_each(|own| sum.add(&own));
+    let LetterFigures { messages, letters, bytes } = sum;
+    if letters > 0 && team.is_first() {
+        let size = team.size();
+        console::people(&format!(
+            "letters   {letters} of {size} processes, with {messages} messages in {bytes} bytes"
+        ));
+    }
+    Ok(())
+}
+
+/// Understands the command, and runs it.
+fn begin<P: Post>(mut args: Args, member: &Member<'_, P>, is_first: bool) -> Result<Exit, Failure> {
+    match &mut args.command {
+        Command::Delaunay(own) => own.for_ranks(is_first)?,
+        Command::Mesh(own) => own.for_ranks(is_first)?,
+        _ => {
+            let text = "the processes of a job have two commands, delaunay and mesh";
+            return Err(Failure::Usage(text.to_owned()));
+        }
+    }
+    if !is_first {
+        args.quiet = true;
+        console::be_silent();
+    }
+    dispatch(args, None, Some(member))
+}
+
+/// Says why it ends: once, since all end for this reason.
+fn tell(is_first: bool, failure: &Failure) {
+    if is_first {
+        console::people(&format!("ltbw: {failure}"));
+    }
+}
+
+/// Says why this process ends, while others may wait for it.
+fn alone<P: Post>(team: &Team<P>, failure: &Failure) -> Ended {
+    console::aloud(&format!("ltbw: rank {}: {failure}", team.me().number()));
+    Ended::Alone(failure.code())
+}

@@ -1,0 +1,72 @@
+//! The program `ltbw-mpi`: the commands `delaunay` and `mesh` of `ltbw` by the processes of an MPI
+//! job, which share nothing. `docs/distributed.md` tells how it is built and run.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `raw` | the calls of MPI, unsafe code |
+//! | `post` | letters from process to process |
+#![deny(unsafe_code)]
+
+mod post;
+#[allow(unsafe_code)]
+mod raw;
+
+use ltbw::team::Team;
+use ltbw_cli::ranks::{Ended, run};
+use mpi::environment::{Threading, initialize_with_threading};
+use mpi::topology::{Communicator, SimpleCommunicator};
+use post::{Mpi, Waiting};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// The exit code of a panic: that of an internal software error in `sysexits.h`.
+const PANIC: i32 = 70;
+
+fn main() -> ExitCode {
+    let Some((universe, threading)) = initialize_with_threading(Threading::Funneled) else {
+        eprintln!("ltbw-mpi: MPI is initialised already");
+        return ExitCode::from(7);
+    };
+    let world = universe.world();
+    let rank = world.rank();
+    if threading < Threading::Funneled {
+        eprintln!("ltbw-mpi: this MPI cannot be used beside other threads (MPI_THREAD_FUNNELED)");
+        world.abort(7);
+    }
+    abort_on_panic(rank);
+    let asked = std::env::var("LTBW_MPI_WAIT").ok();
+    let waiting = match Waiting::of(&world, asked.as_deref()) {
+        Ok(waiting) => waiting,
+        Err(why) => {
+            eprintln!("ltbw-mpi: rank {rank}: {why}");
+            world.abort(2);
+        }
+    };
+    let latency = asked_for("LTBW_MPI_LATENCY_US").map_or(Duration::ZERO, Duration::from_micros);
+    let fault = asked_for("LTBW_MPI_PANIC_RANK").filter(|&asked| i64::from(rank) == asked as i64);
+    let fault = fault.and(asked_for("LTBW_MPI_PANIC_LETTER"));
+    let mut team = Team::new(Mpi::new(&world, waiting, fault)).latency(latency);
+    match run(&mut team) {
+        Ended::Together(code) => {
+            drop(team);
+            ExitCode::from(code)
+        }
+        // The others wait for this process.
+        Ended::Alone(code) => world.abort(code.into()),
+    }
+}
+
+/// A number of the environment, for tests: they delay letters, and plant panics.
+fn asked_for(name: &str) -> Option<u64> {
+    std::env::var(name).ok()?.parse().ok()
+}
+
+/// A process that panics would wait for the others in the end, and these for it: the job ends.
+fn abort_on_panic(rank: i32) {
+    let print = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        eprintln!("ltbw-mpi: rank {rank}: a panic; this is a defect of the program");
+        print(panic);
+        SimpleCommunicator::world().abort(PANIC);
+    }));
+}

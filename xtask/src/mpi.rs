@@ -1,0 +1,264 @@
+//! `mpi`: the program of `parallel/mpi`: its tests, and its runs by `mpirun` beside `ltbw`, each
+//! under a watchdog: one hash on any number of processes, over shared memory and over TCP, in time
+//! and late; what it refuses; what comes of processes that panic, are killed or are stopped.
+
+mod faults;
+
+use crate::require;
+use crate::shell::{self, cargo, command, root, target};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The longest time of a run.
+const WATCHDOG: Duration = Duration::from_secs(120);
+
+/// Mail goes over TCP.
+const TCP: [&str; 6] = ["--mca", "btl", "self,tcp", "--mca", "btl_tcp_if_include", "lo"];
+
+/// Families of points: kind and number.
+const POINTS: [(&str, &str); 6] = [
+    ("uniform", "20000"),
+    ("clusters", "20000"),
+    ("grid", "8000"),
+    ("sphere", "5000"),
+    ("duplicates", "8000"),
+    ("uniform", "40"),
+];
+
+/// Domains: kind, what else makes it, bounds.
+const DOMAINS: [(&str, &[&str], &[&str]); 5] = [
+    ("cube-octahedron", &[], &["--max-volume", "5e-5"]),
+    ("tee", &[], &["--max-volume", "1.5e-4"]),
+    ("gear", &[], &["--max-volume", "4e-5"]),
+    ("cube-in-cube", &[], &["--max-volume", "5e-5"]),
+    // One process refines it alone.
+    ("wedge", &["--angle", "5"], &[]),
+];
+
+/// The outcome of a run.
+pub(crate) struct Outcome {
+    /// The exit code; none if a signal or the watchdog has ended it.
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+    pub(crate) seconds: f64,
+}
+
+/// The programs, and a folder for what they read and write.
+pub(crate) struct Bench {
+    pub(crate) ranked: PathBuf,
+    alone: PathBuf,
+    pub(crate) folder: PathBuf,
+}
+
+/// An input with the arguments that mesh it.
+pub(crate) struct Input {
+    name: String,
+    arguments: Vec<String>,
+}
+
+/// Builds and runs.
+pub(crate) fn run(rest: &[String]) -> Result<(), String> {
+    let ranks = ranks(rest)?;
+    let tools: [(&str, &[&str]); 2] = [("mpirun", &["--version"]), ("mpicc", &["--version"])];
+    for (tool, arguments) in tools {
+        if !shell::works(command(tool).args(arguments)) {
+            let reason = format!(
+                "{tool} does not start: apt-get install openmpi-bin libopenmpi-dev libclang-dev clang"
+            );
+            return require::skip("the program of parallel/mpi", "mpi", &reason);
+        }
+    }
+    let bench = Bench::build()?;
+    let inputs = bench.inputs()?;
+    let mut runs = 0;
+    for input in &inputs {
+        let alone = bench.alone(input)?;
+        for &count in &ranks {
+            bench.compare(input, &alone, (count, &[], None))?;
+            runs += 1;
+        }
+        let most = ranks.iter().copied().max().unwrap_or(2);
+        bench.compare(input, &alone, (most, &TCP, None))?;
+        bench.compare(input, &alone, (2, &[], Some("300")))?;
+        runs += 2;
+    }
+    println!("{} inputs, {runs} runs: one hash each", inputs.len());
+    let count = faults::run(&bench)?;
+    println!("{count} refusals and faults: each with its word and its code");
+    Ok(())
+}
+
+/// `--ranks 1,2,3,4`.
+fn ranks(rest: &[String]) -> Result<Vec<u32>, String> {
+    match rest {
+        [] => Ok(vec![1, 2, 3, 4]),
+        [option, list] if option == "--ranks" => {
+            let number = |text: &str| text.parse::<u32>().ok().filter(|&count| count > 0);
+            let all: Option<Vec<u32>> = list.split(',').map(number).collect();
+            all.ok_or_else(|| format!("--ranks {list}: numbers, with commas"))
+        }
+        _ => Err("cargo xtask mpi [--ranks 1,2,3,4]".to_owned()),
+    }
+}
+
+impl Bench {
+    fn build() -> Result<Self, String> {
+        let manifest = root().join("parallel/mpi/Cargo.toml");
+        let in_package = |arguments: &[&str], more: &[&str]| {
+            let mut cargo = cargo();
+            cargo.args(arguments).arg("--manifest-path").arg(&manifest).args(more);
+            // The crates below are those of the workspace, which are built once.
+            shell::run(cargo.env("CARGO_TARGET_DIR", target()))
+        };
+        in_package(&["fmt"], &["--check"])?;
+        in_package(&["test", "--quiet", "--release", "--locked"], &[])?;
+        in_package(&["build", "--quiet", "--release", "--locked"], &[])?;
+        let folder = target().join("mpi");
+        fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        // A build that mpirun is given has to stay what it is.
+        let ranked = target().join("release/ltbw-mpi");
+        Ok(Self { ranked, alone: shell::program()?, folder })
+    }
+
+    /// A command of `ltbw`.
+    pub(crate) fn ltbw(&self, arguments: &[String]) -> Result<Outcome, String> {
+        let mut command = Command::new(&self.alone);
+        watched(command.current_dir(&self.folder).arg("--quiet").args(arguments), WATCHDOG)
+    }
+
+    /// Makes all inputs.
+    fn inputs(&self) -> Result<Vec<Input>, String> {
+        let mut inputs = Vec::new();
+        let words = |all: &[&str]| all.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+        let mut make = |arguments: Vec<String>, name: String, command: Vec<String>| {
+            let made = self.ltbw(&[words(&["generate"]), arguments].concat())?;
+            if made.code != Some(0) {
+                return Err(format!("{name}: {}", made.stderr));
+            }
+            inputs.push(Input { name, arguments: command });
+            Ok(())
+        };
+        for (kind, count) in POINTS {
+            let file = format!("{kind}-{count}.npy");
+            make(
+                words(&[kind, count, "-o", &file]),
+                format!("{kind} {count}"),
+                words(&["delaunay", &file]),
+            )?;
+        }
+        for (kind, shape, bounds) in DOMAINS {
+            let file = format!("{kind}.poly");
+            make(
+                [words(&[kind]), words(shape), words(&["-o", &file])].concat(),
+                kind.to_owned(),
+                [words(&["mesh", &file]), words(bounds)].concat(),
+            )?;
+        }
+        Ok(inputs)
+    }
+
+    /// The outcome of `ltbw` with an input.
+    fn alone(&self, input: &Input) -> Result<Outcome, String> {
+        let report = words_of(&["--json", "alone.json"]);
+        self.ltbw(&[input.arguments.clone(), report].concat())
+    }
+
+    /// Runs an input on processes, and compares code, hash and excuses.
+    fn compare(
+        &self,
+        input: &Input,
+        alone: &Outcome,
+        (count, network, latency): (u32, &[&str], Option<&str>),
+    ) -> Result<(), String> {
+        let report = words_of(&["--json", "ranks.json"]);
+        let arguments = [input.arguments.clone(), report].concat();
+        let mut job = self.job(count, network);
+        job.arg(&self.ranked).arg("--quiet").args(&arguments);
+        latency.iter().for_each(|late| _ = job.env("LTBW_MPI_LATENCY_US", late));
+        let outcome = watched(&mut job, WATCHDOG)?;
+        let what = format!("{} on {count} {network:?} {latency:?}", input.name);
+        let excuses = |file: &str| excused(&self.folder.join(file));
+        let same = outcome.code == alone.code && outcome.stdout == alone.stdout;
+        if !same || excuses("ranks.json")? != excuses("alone.json")? {
+            return Err(format!(
+                "{what}: code {:?}, {:?}, not {:?}, {:?}\n{}",
+                outcome.code, outcome.stdout, alone.code, alone.stdout, outcome.stderr
+            ));
+        }
+        println!("{what}: {:.2} s", outcome.seconds);
+        Ok(())
+    }
+
+    /// A job of this many processes, whose program is still to be named.
+    pub(crate) fn job(&self, count: u32, network: &[&str]) -> Command {
+        let mut job = Command::new("mpirun");
+        job.current_dir(&self.folder).env("OMPI_ALLOW_RUN_AS_ROOT", "1");
+        job.env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1").args(["--oversubscribe"]).args(network);
+        job.args(["-n", &count.to_string()]);
+        job
+    }
+}
+
+/// Words.
+pub(crate) fn words_of(all: &[&str]) -> Vec<String> {
+    all.iter().map(|word| (*word).to_owned()).collect()
+}
+
+/// The lines of a report that tell what is excused, and the hash.
+fn excused(report: &Path) -> Result<Vec<String>, String> {
+    let text = fs::read_to_string(report).map_err(|e| format!("{}: {e}", report.display()))?;
+    let is_wanted = |line: &&str| {
+        let line = line.trim_start();
+        ["\"hash\"", "\"excused\"", "\"reason\"", "\"tets\"", "\"outcome\"", "\"boundary_lost\""]
+            .iter()
+            .any(|field| line.starts_with(field))
+    };
+    Ok(text.lines().filter(is_wanted).map(|line| line.trim().to_owned()).collect())
+}
+
+/// Runs a command to its end, or to that of the watchdog's patience, which is an error.
+pub(crate) fn watched(command: &mut Command, patience: Duration) -> Result<Outcome, String> {
+    let child = begin(command)?;
+    end(child, patience).map_err(|error| format!("{command:?}: {error}"))
+}
+
+/// Begins a command whose output is kept.
+pub(crate) fn begin(command: &mut Command) -> Result<Child, String> {
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.spawn().map_err(|error| format!("{command:?}: {error}"))
+}
+
+/// Waits for the end of a command.
+pub(crate) fn end(mut child: Child, patience: Duration) -> Result<Outcome, String> {
+    let clock = Instant::now();
+    let (out, err) = (reader(child.stdout.take()), reader(child.stderr.take()));
+    let status = loop {
+        match child.try_wait() {
+            Ok(Some(status)) => break status,
+            Ok(None) if clock.elapsed() < patience => std::thread::sleep(Duration::from_millis(5)),
+            Ok(None) => {
+                let ended = child.kill().and_then(|()| child.wait());
+                return Err(format!("no end after {} s ({ended:?})", patience.as_secs()));
+            }
+            Err(error) => return Err(error.to_string()),
+        }
+    };
+    let text = |reader: std::thread::JoinHandle<String>| reader.join().unwrap_or_default();
+    let seconds = clock.elapsed().as_secs_f64();
+    Ok(Outcome { code: status.code(), stdout: text(out), stderr: text(err), seconds })
+}
+
+/// Reads an output as it comes: a pipe that is full would stop its writer.
+fn reader(pipe: Option<impl std::io::Read + Send + 'static>) -> std::thread::JoinHandle<String> {
+    std::thread::spawn(move || {
+        let mut bytes = Vec::new();
+        if let Some(mut pipe) = pipe {
+            // The bytes that are there when it ends are told.
+            let _ = pipe.read_to_end(&mut bytes);
+        }
+        String::from_utf8_lossy(&bytes).into_owned()
+    })
+}

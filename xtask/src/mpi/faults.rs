@@ -1,0 +1,153 @@
+//! Refusals of a job, and processes that panic, are killed or are stopped: each ends with a code and
+//! a word about it, and none hangs.
+
+use super::{Bench, Outcome, begin, end, watched, words_of};
+use crate::shell;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+/// The longest time from a fault to the end of its job.
+const PATIENCE: Duration = Duration::from_secs(20);
+/// The longest time in which processes begin.
+const BEGIN: Duration = Duration::from_secs(60);
+/// The delay of mails that makes a run long: in microseconds.
+const LATE: &str = "20000";
+
+/// Runs them all; returns their number.
+pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
+    let folder = &bench.folder;
+    fs::write(folder.join("nan.xyz"), "0 0 0\n1 0 0\n0 NaN 0\n0 0 1\n1 1 1\n")
+        .map_err(|error| error.to_string())?;
+    let refusals: [(&[&str], i32, &str); 8] = [
+        (&["delaunay", "missing.npy"], 3, "missing.npy"),
+        (&["delaunay", "nan.xyz"], 3, "not a finite number"),
+        (&["mesh", "uniform-40.npy"], 3, "uniform-40.npy"),
+        (&["delaunay", "uniform-40.npy", "--no-such-option"], 2, "--no-such-option"),
+        (&["simulate"], 2, "delaunay and mesh"),
+        (&["delaunay", "-", "--format", "npy"], 2, "stdin"),
+        (&["delaunay", "uniform-40.npy", "--threads", "2", "--balance"], 2, "--balance"),
+        (&["delaunay", "uniform-40.npy", "-o", "no-such-folder/m.vtu"], 6, "no-such-folder"),
+    ];
+    let mut count = 0;
+    for (arguments, code, word) in refusals {
+        let mut job = bench.job(2, &[]);
+        let outcome = watched(job.arg(&bench.ranked).args(arguments), PATIENCE)?;
+        expect(&format!("{arguments:?}"), &outcome, (code, word))?;
+        count += 1;
+    }
+    count += different(bench)?;
+    for rank in 0..3 {
+        let mut job = bench.job(3, &[]);
+        let number = rank.to_string();
+        job.env("LTBW_MPI_PANIC_RANK", &number).env("LTBW_MPI_PANIC_LETTER", "40");
+        job.arg(&bench.ranked).args(["delaunay", "uniform-20000.npy"]);
+        let outcome = watched(&mut job, PATIENCE)?;
+        expect(
+            &format!("a panic of rank {rank}"),
+            &outcome,
+            (70, &format!("rank {rank}: a panic")),
+        )?;
+        count += 1;
+    }
+    for rank in 0..2 {
+        let outcome = signalled(bench, rank, "KILL", &[])?;
+        // Open MPI makes of it 128 and the number of the signal.
+        expect(&format!("SIGKILL of rank {rank}"), &outcome, (137, "signal 9"))?;
+        let partial = folder.join("partial.vtu");
+        _ = fs::remove_file(&partial);
+        let outcome =
+            signalled(bench, rank, "TERM", &["-o", "partial.vtu", "--json", "partial.json"])?;
+        expect(&format!("SIGTERM of rank {rank}"), &outcome, (4, "points meshed"))?;
+        let check = words_of(&["check", "partial.vtu", "--delaunay"]);
+        let checked = bench.ltbw(&check)?;
+        expect("the mesh so far", &checked, (0, ""))?;
+        count += 2;
+    }
+    Ok(count)
+}
+
+/// Processes that differ: in their command line, their build, their input.
+fn different(bench: &Bench) -> Result<u32, String> {
+    let folder = &bench.folder;
+    let program = bench.ranked.to_string_lossy().into_owned();
+    let other = folder.join("ltbw-mpi-of-another-build");
+    let mut bytes = fs::read(&bench.ranked).map_err(|error| error.to_string())?;
+    bytes.push(0);
+    write_program(&other, &bytes)?;
+    let other = other.to_string_lossy().into_owned();
+    let apart = |first: &[&str], second: &[&str]| {
+        let mut job = bench.job(1, &[]);
+        watched(job.args(first).args([":", "-n", "1"]).args(second), PATIENCE)
+    };
+    let usual = [&*program, "delaunay", "uniform-40.npy"];
+    let outcome = apart(&usual, &[&program, "delaunay", "sphere-5000.npy"])?;
+    expect("another command line", &outcome, (2, "rank 1 has another command line"))?;
+    let outcome = apart(&usual, &[&other, "delaunay", "uniform-40.npy"])?;
+    expect("another build", &outcome, (2, "rank 1 has another build"))?;
+    // Each in a folder of its own, with an input of the same name.
+    let input = |rank: u32, from: &str| -> Result<(), String> {
+        let own = folder.join(format!("rank-{rank}"));
+        fs::create_dir_all(&own).map_err(|error| error.to_string())?;
+        let copied = fs::copy(folder.join(from), own.join("points.npy"));
+        copied.map(drop).map_err(|error| error.to_string())
+    };
+    input(0, "uniform-40.npy")?;
+    input(1, "sphere-5000.npy")?;
+    let script = "cd rank-$OMPI_COMM_WORLD_RANK && exec \"$0\" delaunay points.npy";
+    let own_folders = || {
+        let mut job = bench.job(2, &[]);
+        watched(job.args(["sh", "-c", script, &program]), PATIENCE)
+    };
+    expect("another input", &own_folders()?, (3, "rank 1 has read another input"))?;
+    fs::remove_file(folder.join("rank-1/points.npy")).map_err(|error| error.to_string())?;
+    expect("no input at one rank", &own_folders()?, (3, "rank 1: points.npy"))?;
+    let mut job = bench.job(2, &[]);
+    job.env("LTBW_MPI_WAIT", "sometimes").args(usual);
+    expect("another way to wait", &watched(&mut job, PATIENCE)?, (2, "spin, yield or nap"))?;
+    Ok(5)
+}
+
+/// Writes a program that can be run.
+fn write_program(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    fs::write(path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
+    shell::run(Command::new("chmod").arg("+x").arg(path))
+}
+
+/// A job whose process `rank` gets a signal in the midst of the insertion.
+fn signalled(bench: &Bench, rank: u32, signal: &str, more: &[&str]) -> Result<Outcome, String> {
+    let file = |rank: u32| -> PathBuf { bench.folder.join(format!("rank-{rank}.pid")) };
+    (0..2).for_each(|rank| _ = fs::remove_file(file(rank)));
+    let script = "echo $$ > rank-$OMPI_COMM_WORLD_RANK.pid && exec \"$0\" \"$@\"";
+    let mut job = bench.job(2, &[]);
+    job.env("LTBW_MPI_LATENCY_US", LATE).args(["sh", "-c", script]).arg(&bench.ranked);
+    job.args(["--progress", "json", "delaunay", "uniform-20000.npy"]).args(more);
+    let child = begin(&mut job)?;
+    let clock = Instant::now();
+    let pid = loop {
+        let pid = fs::read_to_string(file(rank)).unwrap_or_default();
+        if let Ok(pid) = pid.trim().parse::<u32>() {
+            break pid;
+        }
+        if clock.elapsed() > BEGIN {
+            let ended = end(child, Duration::ZERO).err().unwrap_or_default();
+            return Err(format!("rank {rank} has not begun: {ended}"));
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    // The start takes a fraction of a second, the insertion with late mails many.
+    std::thread::sleep(Duration::from_secs(2));
+    shell::run(Command::new("kill").args([&format!("-{signal}"), &pid.to_string()]))?;
+    end(child, PATIENCE)
+}
+
+/// Makes sure that a run has ended with this code, and has said this.
+fn expect(what: &str, outcome: &Outcome, (code, word): (i32, &str)) -> Result<(), String> {
+    if outcome.code == Some(code) && outcome.stderr.contains(word) {
+        println!("{what}: {code}, {:.2} s", outcome.seconds);
+        return Ok(());
+    }
+    let Outcome { code: found, stderr, .. } = outcome;
+    Err(format!("{what}: code {found:?}, not {code}, or no word `{word}`:\n{stderr}"))
+}
