@@ -36,7 +36,7 @@ fn rules() -> BTreeMap<String, String> {
         if let Some((first, _)) = line.strip_prefix("/// R").and_then(|rest| rest.split_once(':')) {
             number = Some(format!("R{first}"));
         }
-        if let Some((name, _)) = line.strip_prefix("fn ").and_then(|rest| rest.split_once('(')) {
+        if let Some((name, _)) = line.strip_prefix("fn ").and_then(|rest| rest.split_once(';')) {
             let number = number.take().unwrap_or_else(|| panic!("{name} has no number"));
             assert_eq!(rules.insert(name.to_owned(), number), None);
         }

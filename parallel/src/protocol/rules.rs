@@ -6,157 +6,85 @@
 //! holds no switch. Their numbers stand in `docs/protocol.md`, beside the code that obeys, and on the
 //! variant that breaks; `tests/tests/rules.rs` holds these to each other.
 
-/// Rules of the protocol. Every default is the correct one.
-pub trait Rules: 'static {
+/// Declares the rules: each a function that says that it is kept.
+macro_rules! rules {
+    ($($(#[$doc:meta])* fn $rule:ident;)*) => {
+        /// Rules of the protocol. Every default is the correct one.
+        pub trait Rules: 'static {
+            $(
+                $(#[$doc])*
+                #[inline]
+                fn $rule() -> bool {
+                    true
+                }
+            )*
+        }
+    };
+}
+
+rules! {
     /// R1: the ring of face neighbours is locked, not the cavity alone.
-    #[inline]
-    fn locks_ring() -> bool {
-        true
-    }
+    fn locks_ring;
     /// R2: a setback releases every lock.
-    #[inline]
-    fn releases_all() -> bool {
-        true
-    }
+    fn releases_all;
     /// R3: a setback wakes all that wait for its locks.
-    #[inline]
-    fn wakes_on_abort() -> bool {
-        true
-    }
+    fn wakes_on_abort;
     /// R4: a released lock makes all that wait for it apply the rule anew, not the oldest alone.
-    #[inline]
-    fn regrant_asks_all() -> bool {
-        true
-    }
+    fn regrant_asks_all;
     /// R5: what an `Expand` adds to a stalled request goes beneath the want it waits for.
-    #[inline]
-    fn keeps_place() -> bool {
-        true
-    }
+    fn keeps_place;
     /// R6: an operation starts again only when all its releases are acknowledged.
-    #[inline]
-    fn awaits_releases() -> bool {
-        true
-    }
+    fn awaits_releases;
     /// R7: a wound that arrives after the commit point is ignored.
-    #[inline]
-    fn ignores_late_wound() -> bool {
-        true
-    }
+    fn ignores_late_wound;
     /// R8: a worker that receives a counted message turns black (termination detection).
-    #[inline]
-    fn blackens() -> bool {
-        true
-    }
+    fn blackens;
     /// R9: only a worker with work of its own gives blocks away.
-    #[inline]
-    fn only_busy_migrate() -> bool {
-        true
-    }
+    fn only_busy_migrate;
     /// R10: a message for a block that has moved goes on to its new owner, or back with the news.
-    #[inline]
-    fn forwards() -> bool {
-        true
-    }
+    fn forwards;
     /// R11: when a block moves, all that wait for its tetrahedra to be installed are told.
-    #[inline]
-    fn moves_waiters() -> bool {
-        true
-    }
+    fn moves_waiters;
     /// R12: a commit updates the handles of other workers' ring tetrahedra.
-    #[inline]
-    fn relinks_interface() -> bool {
-        true
-    }
+    fn relinks_interface;
     /// R13: no name is given twice. (The submesh obeys.)
-    #[inline]
-    fn fresh_names() -> bool {
-        true
-    }
+    fn fresh_names;
     /// R14: an `Expand` that names a tetrahedron which is not installed yet waits for it.
-    #[inline]
-    fn awaits_installation() -> bool {
-        true
-    }
+    fn awaits_installation;
     /// R15: a worker that was told of a cancel drops the points of a block that moves to it.
-    #[inline]
-    fn stays_cancelled() -> bool {
-        true
-    }
+    fn stays_cancelled;
     /// R16: a worker that gives a block away asks from then on whose the tetrahedra beside it are
     /// that it makes. (The submesh obeys.)
-    #[inline]
-    fn leaves_blocks() -> bool {
-        true
-    }
+    fn leaves_blocks;
     /// R17: a worker tests its inbox and goes to sleep in one critical section. (The mailbox
     /// obeys.)
-    #[inline]
-    fn tests_before_sleep() -> bool {
-        true
-    }
+    fn tests_before_sleep;
     /// R18: a point whose item is gone is let go, never inserted elsewhere.
-    #[inline]
-    fn lets_go() -> bool {
-        true
-    }
+    fn lets_go;
     /// R19: insertion ends when two waves in a row have the same sums, and all that was sent is
     /// taken.
-    #[inline]
-    fn awaits_second_wave() -> bool {
-        true
-    }
+    fn awaits_second_wave;
     /// R20: keys that are told in a later exchange wait for it.
-    #[inline]
-    fn numbers_exchanges() -> bool {
-        true
-    }
+    fn numbers_exchanges;
     /// R21: nobody decides before all cavities are reserved.
-    #[inline]
-    fn awaits_reservations() -> bool {
-        true
-    }
+    fn awaits_reservations;
     /// R22: a candidate's rank comes from the coordinates of its corners, from no name or number.
-    #[inline]
-    fn ranks_by_place() -> bool {
-        true
-    }
+    fn ranks_by_place;
     /// R23: a candidate at the boundary hears of the rivals in all parts of its closure.
-    #[inline]
-    fn hears_of_rivals() -> bool {
-        true
-    }
+    fn hears_of_rivals;
     /// R24: an item that waits takes back what it has reserved, everywhere.
-    #[inline]
-    fn takes_back() -> bool {
-        true
-    }
+    fn takes_back;
     /// R25: a probe takes in its whole closure, whatever it has found before.
-    #[inline]
-    fn ends_probes() -> bool {
-        true
-    }
+    fn ends_probes;
     /// R26: of two candidates of one size one comes first, by its corners.
-    #[inline]
-    fn breaks_ties() -> bool {
-        true
-    }
+    fn breaks_ties;
     /// R27: a cavity found ahead is taken only if nothing of its closure was written since.
-    #[inline]
-    fn checks_ahead() -> bool {
-        true
-    }
+    fn checks_ahead;
     /// R28: a point that changes a patch brings along the regions that tetrahedra at some walls of
     /// its cavity get in place of those that they would inherit.
-    #[inline]
-    fn labels_walls() -> bool {
-        true
-    }
+    fn labels_walls;
     /// R29: a wave of probes begins when those of the waves before it have reserved.
-    #[inline]
-    fn awaits_waves() -> bool {
-        true
-    }
+    fn awaits_waves;
 }
 
 /// The protocol as it ships.
