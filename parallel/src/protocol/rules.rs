@@ -3,21 +3,15 @@
 //! [`Correct`] keeps them all and is what ships. A checker implements [`Rules`] for a type that
 //! breaks one of them, a known-bad variant, and must find the defect (`verify/models`). The
 //! answers of [`Correct`] are known when the code is compiled: the shipped code pays nothing and
-//! holds no switch. Their numbers stand in `docs/protocol.md`, beside the code that obeys, and on the
-//! variant that breaks; `tests/tests/rules.rs` holds these to each other.
+//! holds no switch. The numbers of rules stand in `docs/protocol.md`, beside the code that obeys,
+//! and on the variant that breaks; `tests/tests/rules.rs` holds these to each other.
 
 /// Declares the rules: each a function that says that it is kept.
 macro_rules! rules {
     ($($(#[$doc:meta])* fn $rule:ident;)*) => {
         /// Rules of the protocol. Every default is the correct one.
         pub trait Rules: 'static {
-            $(
-                $(#[$doc])*
-                #[inline]
-                fn $rule() -> bool {
-                    true
-                }
-            )*
+            $($(#[$doc])* #[inline] fn $rule() -> bool { true })*
         }
     };
 }

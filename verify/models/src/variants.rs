@@ -1,8 +1,8 @@
 //! Known-bad variants: the protocol with one rule of `docs/protocol.md` broken. Each must be caught
 //! by a checker; `tests/variants.rs` says by which, and after how much work.
 //!
-//! One type, [`KnownBad`], has all of them, and which it is is known when it runs: a type each would
-//! have the compiler make the workers and all models once for every defect.
+//! One type, [`KnownBad`], has all of them, and is told when it runs which one it is: a type each
+//! would have the compiler make the workers and all models once for every defect.
 
 use ltbw::protocol::Rules;
 use std::cell::Cell;
@@ -40,7 +40,7 @@ impl Defect {
 /// Declares variants: the number of the broken rule and its name, a defect and a title.
 macro_rules! variants {
     ($($(#[$doc:meta])* $number:ident $rule:ident: $variant:ident, $title:literal;)*) => {
-        /// What is wrong in a known-bad variant.
+        /// The defect of a known-bad variant.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Defect {
             $($(#[$doc])* $variant,)*
