@@ -48,13 +48,6 @@ impl Rules for Unlabelled {
     const LABELS_WALLS: bool = false;
 }
 
-/// All waves of probes at once.
-struct OneWave;
-
-impl Rules for OneWave {
-    const AWAITS_WAVES: bool = false;
-}
-
 /// Runs on processors and latencies that keep to these rules: how many do not end with the points
 /// and the mesh of those that keep to all.
 fn wrong_runs<C: Rules>(domain: &Domain, volume: f64) -> usize {
@@ -73,17 +66,6 @@ fn wrong_runs<C: Rules>(domain: &Domain, volume: f64) -> usize {
 }
 
 #[test]
-fn broken_rules_about_patches_are_caught() {
+fn a_broken_rule_about_patches_is_caught() {
     assert!(wrong_runs::<Unlabelled>(&single(torus(10)), 1e-3) > 0, "R28");
-    let solid = turned(&generate_domain(DomainKind::CubeInCube, &Shape::default()).expect("one"));
-    let domains = [
-        (single(torus(10)), 3e-4),
-        (single(globe(12, 12, 0.0, 1)), 3e-4),
-        (single(globe(12, 12, 0.0, 1)), 1e-2),
-        (single(prism(12, 1e-7, 1)), 3e-4),
-        (solid, 1e-3),
-    ];
-    let wrong = domains.each_ref().map(|(of, volume)| wrong_runs::<OneWave>(of, *volume));
-    println!("R29: {wrong:?}");
-    assert!(wrong.iter().sum::<usize>() > 0, "R29");
 }

@@ -68,8 +68,6 @@ pub trait Rules: 'static {
     /// R28: a point that changes a patch brings along the regions that tetrahedra at some walls of
     /// its cavity get in place of those that they would inherit.
     const LABELS_WALLS: bool = true;
-    /// R29: a wave of probes begins when those of the waves before it have reserved.
-    const AWAITS_WAVES: bool = true;
 }
 
 /// The protocol as it ships.

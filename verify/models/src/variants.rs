@@ -98,6 +98,4 @@ variants! {
     R27 CHECKS_AHEAD: RashChoice, "cavity found ahead taken as it was";
     /// The boundary at a patch is where regions change: it is torn, or elsewhere.
     R28 LABELS_WALLS: Unlabelled, "regions inherited at a patch that changes";
-    /// A candidate that others kill has its cavity reserved, and kills in its turn.
-    R29 AWAITS_WAVES: OneWaveOfProbes, "all waves of probes at once";
 }
