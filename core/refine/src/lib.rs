@@ -75,9 +75,11 @@ pub use rules::choice::{
 };
 pub use rules::complex::{Complex, ComplexError, Start};
 #[doc(hidden)]
+pub use rules::group::Group;
+#[doc(hidden)]
 pub use rules::surveyed::{Collected, Surveyed};
 #[doc(hidden)]
-pub use rules::turns::{Contender, Group, Held, next_wave};
+pub use rules::turns::{Contender, Held, next_wave};
 #[doc(hidden)]
 pub use rules::watch::Watch;
 #[doc(hidden)]

@@ -77,8 +77,6 @@ rules! {
     /// R28: a point that changes a patch brings along the regions that tetrahedra at some walls of
     /// its cavity get in place of those that they would inherit.
     fn labels_walls;
-    /// R29: a wave of probes begins when those of the waves before it have reserved.
-    fn awaits_waves;
 }
 
 /// The protocol as it ships.

@@ -131,6 +131,4 @@ variants! {
     R27 checks_ahead: RashChoice, "cavity found ahead taken as it was";
     /// The boundary at a patch is where regions change: it is torn, or elsewhere.
     R28 labels_walls: Unlabelled, "regions inherited at a patch that changes";
-    /// A candidate that others kill has its cavity reserved, and kills in its turn.
-    R29 awaits_waves: OneWaveOfProbes, "all waves of probes at once";
 }

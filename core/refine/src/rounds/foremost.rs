@@ -7,7 +7,7 @@ use crate::complex::measure::Shape;
 use crate::mesh::item::Item;
 use crate::mesh::key::order_key;
 use crate::mesh::state::State;
-use crate::rules::turns::Group;
+use crate::rules::group::Group;
 use crate::table::Map;
 use ltbw_core::order::hilbert;
 use ltbw_core::topology::{TetId, VertexId};

@@ -11,7 +11,7 @@ use crate::mesh::names::Names;
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::State;
 use crate::rules::aim::{Aim, Aims};
-use crate::rules::turns::Group;
+use crate::rules::group::Group;
 use ltbw_core::Random;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::{Mode, Point};
@@ -157,8 +157,8 @@ impl<'a> Complex<'a> {
         if is_on { self.plc.patch_at(corners, slot, labels()?) } else { None }
     }
 
-    /// Are all four corners of a finite tetrahedron, which live there, on one patch? Then it is over
-    /// no bound.
+    /// Are all four corners of a finite tetrahedron, which live there, on one patch? Then it is
+    /// over no bound.
     pub fn is_flat(&self, carrier: impl Fn(usize) -> Carrier) -> bool {
         self.has_patches && self.plc.is_flat(carrier)
     }

@@ -7,6 +7,7 @@
 //! | `way`, `walk` | the way to it |
 //! | `bounded`, `look` | a closure, whoever has it; the boundary in its cavity |
 //! | `verdict`, `plan` | what follows for the point, and for the facets that it lies on |
+//! | `group` | circumspheres that are nearly equal |
 //! | `watch`, `turns` | what keeps points of one round apart, and who of those is chosen |
 //! | `record` | what came of earlier proposals |
 //! | `complex`, `choice` | boundary, points, items and ranks as values |
@@ -18,6 +19,7 @@ pub(crate) mod bounded;
 pub(crate) mod by_values;
 pub(crate) mod choice;
 pub(crate) mod complex;
+pub(crate) mod group;
 pub(crate) mod look;
 pub(crate) mod plan;
 pub(crate) mod record;

@@ -151,8 +151,8 @@ impl<'a> Delegated<'a> {
     /// a circle: for others that cannot do that.
     ///
     /// # Errors
-    /// As of [`Delegated::complex`], or if there are patches, before anything is split; a run that stops while these are, or
-    /// a broken invariant.
+    /// As of [`Delegated::complex`], or if there are patches, before anything is split; a run that
+    /// stops while these are, or a broken invariant.
     pub fn complex_without_circles(&mut self) -> Result<(Complex<'a>, Start), ComplexError> {
         self.run.fit_without_labels()?;
         self.check_fit()?;

@@ -27,7 +27,8 @@
 //! | `ahead`, `found` | cavities found while others are waited for |
 //! | `here` | closures that are all one worker's |
 //! | `decide` | who is chosen |
-//! | `conduct`, `turns` | where there are patches: turns, by the conductor, and at home |
+//! | `ruled` | the verdict on a probe's point |
+//! | `contest`, `conduct`, `turns` | turns at patches: by the conductor, and at home |
 //! | `demands` | boundary items to be split, and who waits for whom |
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
@@ -37,6 +38,7 @@
 mod ahead;
 mod candidate;
 mod conduct;
+mod contest;
 mod decide;
 mod demands;
 mod found;
@@ -48,6 +50,7 @@ mod ranked;
 #[cfg(feature = "wire")]
 mod ranks;
 mod reserved;
+mod ruled;
 mod serve;
 mod source;
 mod stages;

@@ -1,8 +1,9 @@
 //! The home's side of the choice: probes, what comes of them, and who is chosen.
 
-use super::candidate::{Outcome, Probe, Seeker, Verdict, Waits, What};
+use super::candidate::{Outcome, Probe, Seeker, Waits, What};
 use super::here::Here;
 use super::ranked::rank_of;
+use super::ruled::Verdict;
 use super::serve::{corner, describe};
 use super::source::Rounds;
 use super::way::{Entry, FarFace, WayEnd, labels_at, walk_way};

@@ -1,7 +1,7 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
 use super::candidate::{ChosenPoint, Probe};
-use super::conduct::Conductor;
+use super::contest::Conductor;
 use super::demands::{Demands, Pending};
 use super::found::Ahead;
 use super::keys::SharedKeys;

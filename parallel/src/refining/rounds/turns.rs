@@ -2,7 +2,7 @@
 //! found, and carries out what he decides.
 
 use super::candidate::{Outcome, Turn, Waits, What};
-use super::conduct::CONDUCTOR;
+use super::contest::CONDUCTOR;
 use super::ranked::rank_of;
 use super::source::{Rounds, Stage};
 use crate::protocol::Rules;
