@@ -1,6 +1,8 @@
 //! Teams of threads whose letters are bytes: what processes do, in one process.
 
-use ltbw::team::{Team, Threads, threads};
+use ltbw::protocol::WorkerId;
+use ltbw::team::{Kind, Post, Team, Threads, threads};
+use std::time::Duration;
 
 /// Runs every member of a team on a thread of its own; what comes of it, by member.
 ///
@@ -12,5 +14,72 @@ pub fn on_team<R: Send>(members: u32, member: impl Fn(&mut Team<Threads>) -> R +
         let run = |post| scope.spawn(move || member(&mut Team::new(post)));
         let all: Vec<_> = threads(members).into_iter().map(run).collect();
         all.into_iter().map(|thread| thread.join().expect("no member panics")).collect()
+    })
+}
+
+/// A post that keeps a copy of each mail that it sends.
+#[derive(Debug)]
+pub struct Recorded<P> {
+    inner: P,
+    /// The letters, in their order.
+    pub letters: Vec<Vec<u8>>,
+}
+
+impl<P: Post> Post for Recorded<P> {
+    fn me(&self) -> WorkerId {
+        self.inner.me()
+    }
+
+    fn members(&self) -> u32 {
+        self.inner.members()
+    }
+
+    fn send(&mut self, to: WorkerId, kind: Kind, letter: Vec<u8>) {
+        if kind == Kind::Mail {
+            self.letters.push(letter.clone());
+        }
+        self.inner.send(to, kind, letter);
+    }
+
+    fn flush(&mut self) {
+        self.inner.flush();
+    }
+
+    fn take(&mut self) -> Option<(WorkerId, Kind, Vec<u8>)> {
+        self.inner.take()
+    }
+
+    fn wait(&mut self, timeout: Option<Duration>) {
+        self.inner.wait(timeout);
+    }
+
+    fn failed(&self) -> Option<WorkerId> {
+        self.inner.failed()
+    }
+
+    fn fail(&mut self) {
+        self.inner.fail();
+    }
+}
+
+/// Runs every member of a team; all mails that they have sent.
+///
+/// # Panics
+/// If a member does.
+pub fn recorded(
+    members: u32,
+    member: impl Fn(&mut Team<Recorded<Threads>>) + Sync,
+) -> Vec<Vec<u8>> {
+    std::thread::scope(|scope| {
+        let member = &member;
+        let run = |post| {
+            scope.spawn(move || {
+                let mut team = Team::new(Recorded { inner: post, letters: Vec::new() });
+                member(&mut team);
+                std::mem::take(&mut team.post().letters)
+            })
+        };
+        let all: Vec<_> = threads(members).into_iter().map(run).collect();
+        all.into_iter().flat_map(|thread| thread.join().expect("no member panics")).collect()
     })
 }

@@ -1,9 +1,25 @@
-//! Teams whose members share nothing but letters: always the sequential mesh, to its hash.
+//! Teams whose members share nothing but letters: always the sequential mesh, to its hash, its
+//! excuses and its numbers; and letters as bytes.
 
-use ltbw::threads::Parallel;
-use ltbw::{Builder, PointSet};
+use ltbw::domain::{PrepareOptions, Prepared};
+use ltbw::mesh::LocalMesh;
+use ltbw::protocol::WorkerId;
+use ltbw::refine::{RefineOutcome, Refined, Refiner};
+use ltbw::refining::{DomainMesh, Ending, RoundFigures, rounds_on_team};
+use ltbw::team::{LONGEST, Post, Team};
+use ltbw::threads::{Parallel, RunError};
+use ltbw::transport::Mail;
+use ltbw::wire::{Wire, charged, open};
+use ltbw::{BuildError, Builder, CancelToken, Outcome, PointSet, invariants};
+use ltbw_generate::layers::stack;
+use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain};
+use ltbw_tests::domains::NAMED;
 use ltbw_tests::families::{Family, Size, all};
-use ltbw_tests::teams::on_team;
+use ltbw_tests::fuzz::wire::{DOMAIN, POINTS, wire};
+use ltbw_tests::teams::{on_team, recorded};
+use proptest::prelude::*;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
+use std::time::Duration;
 
 #[test]
 fn families_on_teams_have_the_sequential_hash() {
@@ -27,4 +43,356 @@ fn families_on_teams_have_the_sequential_hash() {
         }
     }
     assert!(messages > 0, "no member ever spoke to another");
+}
+
+fn uniform(count: usize) -> PointSet {
+    PointSet::new(generate(PointKind::Uniform, count, 5)).expect("points")
+}
+
+#[test]
+fn mails_may_be_late() {
+    let set = uniform(2000);
+    let hash = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
+    let member = |post| {
+        let mut team = Team::new(post).latency(Duration::from_micros(300));
+        let built = Builder::new().build_on(&mut team, &set).expect("a mesh");
+        built.map(|built| built.mesh.hash().expect("a hash"))
+    };
+    let hashes: Vec<_> = std::thread::scope(|scope| {
+        let run = |post| scope.spawn(move || member(post));
+        let all: Vec<_> = ltbw::team::threads(3).into_iter().map(run).collect();
+        all.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+    });
+    assert_eq!(hashes, [Some(hash), None, None]);
+}
+
+#[test]
+fn points_without_a_mesh_are_refused_at_all_members() {
+    let flat = (0..40).map(|k| [f64::from(k % 7), f64::from(k % 5), 0.0]).collect();
+    let set = PointSet::new(flat).expect("finite points");
+    for end in on_team(3, |team| Builder::new().build_on(team, &set)) {
+        let error = end.err();
+        assert!(matches!(error, Some(RunError::Build(BuildError::Coplanar { .. }))), "{error:?}");
+    }
+}
+
+/// Its own token is all that a member sees of a signal.
+#[test]
+fn a_member_that_is_stopped_stops_all() {
+    let set = uniform(30_000);
+    for victim in 0..3 {
+        let ends = on_team(3, |team| {
+            let token = CancelToken::new();
+            let is_victim = team.me() == WorkerId::new(victim);
+            let stop = |progress: ltbw::Progress| {
+                // The start is over.
+                if is_victim && progress.phase == ltbw::Phase::Insert {
+                    token.cancel();
+                }
+            };
+            Builder::new().cancel(&token).observer(&stop).build_on(team, &set).expect("a mesh")
+        });
+        let first = ends.into_iter().flatten().next().expect("the first member's mesh");
+        assert_eq!(first.outcome, Outcome::Cancelled, "member {victim}");
+        assert!(first.mesh.num_vertices() < set.len());
+        invariants::check_all(&first.mesh).expect("invariants of the mesh so far");
+    }
+    let stopped = on_team(2, |team| {
+        let token = CancelToken::new();
+        if !team.is_first() {
+            token.cancel();
+        }
+        Builder::new().cancel(&token).build_on(team, &set).err()
+    });
+    let expected = Some(RunError::Build(BuildError::Cancelled));
+    assert_eq!(stopped, [expected.clone(), expected]);
+}
+
+/// Compares all that can be told of two meshes.
+fn same(name: &str, one: &Refined, other: &Refined) {
+    let [a, b] = [one, other].map(Refined::with_exterior);
+    assert!(a.points == b.points && a.tets == b.tets, "{name}");
+    assert!(a.tet_tags == b.tet_tags && a.faces == b.faces, "{name}");
+    assert_eq!(one.outcome, other.outcome, "{name}");
+    let excuses = |refined: &Refined| -> Vec<_> {
+        refined.excuses.iter().map(|e| (refined.tet(e.tet), e.reason)).collect()
+    };
+    assert!(excuses(one) == excuses(other), "{name}: other excuses");
+    let stats = [one, other].map(|refined| refined.stats);
+    let figures = stats.map(|s| (s.rounds, s.rounds_with, s.widest, s.round_points, s.searches));
+    assert_eq!(figures[0], figures[1], "{name}");
+}
+
+/// The rounds of a team, and their end.
+struct Rounds {
+    figures: RoundFigures,
+    ending: Option<Ending>,
+}
+
+/// Refines on teams of 1, 2 and 3; the rounds of each.
+fn on_teams(name: &str, refiner: &Refiner<'_>, ready: &Prepared) -> Vec<Rounds> {
+    let whole = (&ready.domain, &ready.lattice);
+    let engine = refiner.refine(whole.0, whole.1).expect("a mesh");
+    let run = |members: u32| {
+        let ends = on_team(members, |team| {
+            let (token, parallel) = (CancelToken::new(), Parallel::new(members));
+            rounds_on_team(refiner, whole, (&parallel.cancel(&token), &token), team)
+        });
+        let mut ends = ends.into_iter().map(|end| end.expect("a mesh"));
+        let first = ends.next().flatten().expect("the first member's mesh");
+        assert!(ends.all(|end| end.is_none()), "{name}: one member has the mesh");
+        same(&format!("{name} on {members} members"), &first.refined, &engine);
+        if let Ok(ending) = first.ending {
+            assert_eq!(first.workers.len(), members as usize, "{name}: {ending:?}");
+        }
+        Rounds { figures: first.figures, ending: first.ending.ok() }
+    };
+    [1, 2, 3].map(run).into()
+}
+
+#[test]
+fn domains_on_teams_have_the_engines_mesh() {
+    let mut by_members = 0;
+    for (kind, volume, angle, _) in NAMED {
+        let usual = Shape::default();
+        let shape = Shape { angle: angle.or(usual.angle), ..usual };
+        let domain = generate_domain(kind, &shape).expect("a shape");
+        let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+        let refiner = Refiner::new().max_volume(volume).start(0);
+        let rounds = on_teams(&format!("{kind:?} {volume} {angle:?}"), &refiner, &ready);
+        by_members += usize::from(rounds.iter().all(|own| own.figures.points > 0));
+    }
+    // Small angles are the first member's.
+    assert!(by_members >= 8, "members have refined {by_members} of {} domains", NAMED.len());
+}
+
+/// Items that wait for each other are split by the first member, and all go on from there, unless
+/// one cannot be split.
+#[test]
+fn circles_are_split_by_the_first_member() {
+    let cases: [([f64; 2], &[u32]); 2] =
+        [([3.0, 2.0], &[42, 6, 4]), ([1.0, 1.0], &[52, 54, 19, 27, 38, 22, 30, 55])];
+    let (mut again, mut handed_over) = (0, 0);
+    for (base, layers) in cases {
+        let thicknesses: Vec<f64> = layers.iter().map(|&t| f64::from(t) / 64.0).collect();
+        let domain = stack(base, &thicknesses, false);
+        let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+        let volume = base[0] * base[1] * thicknesses.iter().sum::<f64>();
+        for (parts, most) in [(5000.0, None), (500.0, None), (5000.0, Some(1)), (500.0, Some(1))] {
+            let refiner = Refiner::new().max_volume(volume / parts).start(0);
+            let refiner = most.map_or(refiner, |most| refiner.joint_most(most));
+            let rounds = on_teams(&format!("{layers:?}, {parts}, {most:?}"), &refiner, &ready);
+            again += rounds.iter().filter(|own| own.figures.ended > 1).count();
+            handed_over += rounds.iter().filter(|own| own.ending == Some(Ending::Circles)).count();
+        }
+    }
+    assert!(again > 0 && handed_over > 0, "{again} went on after a circle, {handed_over} did not");
+}
+
+#[test]
+fn a_refinement_that_is_stopped_at_one_member_is_stopped() {
+    let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refiner = Refiner::new().max_volume(1e-3).start(0);
+    for victim in 0..2 {
+        let ends = on_team(2, |team| {
+            let (token, parallel) = (CancelToken::new(), Parallel::new(2));
+            if team.me() == WorkerId::new(victim) {
+                token.cancel();
+            }
+            let refiner = refiner.cancel(&token);
+            let whole = (&ready.domain, &ready.lattice);
+            rounds_on_team(&refiner, whole, (&parallel.cancel(&token), &token), team)
+        });
+        let first = ends.into_iter().next().expect("the first member");
+        match first {
+            Ok(Some(run)) => assert_eq!(run.refined.outcome, RefineOutcome::Cancelled),
+            Ok(None) => panic!("the first member has nothing"),
+            Err(error) => assert!(error.to_string().contains("cancelled"), "{error}"),
+        }
+    }
+}
+
+/// All letters of runs on three members: about points, and about a domain.
+fn letters() -> [Vec<Vec<u8>>; 2] {
+    let set = uniform(3000);
+    let of_points = recorded(3, |team| _ = Builder::new().build_on(team, &set).expect("a mesh"));
+    let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refiner = Refiner::new().max_volume(3e-4).start(0);
+    let of_domain = recorded(3, |team| {
+        let (token, parallel) = (CancelToken::new(), Parallel::new(3));
+        let whole = (&ready.domain, &ready.lattice);
+        rounds_on_team(&refiner, whole, (&parallel, &token), team).expect("a mesh");
+    });
+    [of_points, of_domain]
+}
+
+/// Reads and writes letters: each comes as it was. By kind of message the bytes, and those that the
+/// simulator charges.
+fn round_trip<M: Wire>(letters: &[Vec<u8>], charge: impl Fn(&M) -> u64) -> Vec<[u64; 2]> {
+    let mut sizes = Vec::new();
+    for letter in letters {
+        let (mut again, mut count) = (Vec::new(), 0);
+        open(WorkerId::default(), letter, |mail: M| {
+            let before = again.len();
+            mail.put(WorkerId::default(), &mut again).expect("bytes");
+            sizes.push([(again.len() - before) as u64, charge(&mail)]);
+            count += 1;
+        })
+        .expect("a letter");
+        assert!(&again == letter, "it comes as it was");
+        assert!(letter.len() <= LONGEST || count == 1, "a letter of {count} is too long");
+    }
+    sizes
+}
+
+#[test]
+fn letters_come_as_they_were_sent_and_cost_no_more_than_the_simulator_charges() {
+    let [of_points, of_domain] = letters();
+    let points = round_trip(&of_points, charged::<LocalMesh>);
+    let domain = round_trip(&of_domain, charged::<DomainMesh<'_>>);
+    for (name, sizes) in [("points", points), ("a domain", domain)] {
+        assert!(sizes.len() > 500, "{name}: {} messages", sizes.len());
+        let more = sizes.iter().filter(|[real, charge]| real > charge).count();
+        let [real, charge] = [0, 1].map(|k| sizes.iter().map(|own| own[k]).sum::<u64>());
+        println!("{name}: {} messages, {real} bytes, {charge} charged, {more} above", sizes.len());
+        assert!(real <= charge, "{name}: {real} bytes, {charge} charged");
+        // Handles of a domain's messages may have long names; none about points is above.
+        assert!(more * 5 <= sizes.len() * usize::from(name != "points"), "{name}: {more} above");
+    }
+}
+
+#[test]
+fn letters_that_make_no_sense_are_refused_by_name() {
+    let [of_points, of_domain] = letters();
+    let longest = |all: Vec<Vec<u8>>| all.into_iter().max_by_key(Vec::len).expect("letters");
+    let all = [(POINTS, longest(of_points)), (DOMAIN, longest(of_domain))];
+    let mut refused = 0;
+    for (kind, letter) in &all {
+        for length in 0..letter.len().min(600) {
+            wire(&[&[*kind], &letter[..length]].concat());
+            let cut = &letter[..length];
+            let read = match *kind {
+                POINTS => open(WorkerId::new(5), cut, |_: Mail<LocalMesh>| ()),
+                _ => open(WorkerId::new(5), cut, |_: Mail<DomainMesh<'_>>| ()),
+            };
+            refused += usize::from(read.is_err_and(|error| error.from == WorkerId::new(5)));
+        }
+    }
+    assert!(refused > 600, "{refused} of the beginnings are refused");
+    let garbage = (any::<prop::sample::Index>(), any::<prop::sample::Index>(), any::<u8>());
+    let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let mut runner = TestRunner::new_with_rng(config, rng);
+    let cases = (0..2_usize, prop::collection::vec(garbage, 1..8));
+    runner
+        .run(&cases, |(which, changes)| {
+            let (kind, letter) = &all[which];
+            let mut bytes = [&[*kind], &letter[..]].concat();
+            for (at, length, byte) in changes {
+                let k = 1 + at.index(bytes.len() - 1);
+                bytes[k] = byte;
+                let end = k + length.index(16);
+                if byte > 250 && end < bytes.len() {
+                    bytes.drain(k..end);
+                }
+            }
+            wire(&bytes);
+            Ok(())
+        })
+        .expect("every letter is read or refused");
+}
+
+/// News in news in news would take the stack, two bytes a level.
+#[test]
+fn news_within_news_within_news_are_refused() {
+    // A load of 0, a message, which is news, which are several: one, which are several, ...
+    let sample = letters()[1].iter().find_map(|letter| {
+        let mut several = None;
+        let seek = |mail: Mail<DomainMesh<'_>>| {
+            let text = format!("{mail:?}");
+            if text.contains("Several") && several.is_none() {
+                let mut bytes = Vec::new();
+                mail.put(WorkerId::default(), &mut bytes).expect("bytes");
+                several = Some(bytes);
+            }
+        };
+        open(WorkerId::default(), letter, seek).expect("a letter");
+        several
+    });
+    let several = sample.expect("news that are told together");
+    // The load is 0 and the count small: a byte each, after message and news.
+    let head = &several[..4];
+    for depth in [1, 2, 100_000] {
+        let mut bytes = head[..3].to_vec();
+        for _ in 0..depth {
+            bytes.extend([head[3], 1]);
+        }
+        // A sum of the tree ends it: its variant, and ten numbers.
+        bytes.push(1);
+        bytes.extend([0; 10]);
+        let read = open(WorkerId::new(3), &bytes, |_: Mail<DomainMesh<'_>>| ());
+        assert_eq!(read.is_ok(), depth == 1, "{depth} levels: {read:?}");
+    }
+}
+
+/// A post that changes what it sends.
+struct Garbled<P>(P);
+
+impl<P: Post> Post for Garbled<P> {
+    fn me(&self) -> WorkerId {
+        self.0.me()
+    }
+
+    fn members(&self) -> u32 {
+        self.0.members()
+    }
+
+    fn send(&mut self, to: WorkerId, kind: ltbw::team::Kind, mut letter: Vec<u8>) {
+        if self.me() == WorkerId::new(1) && kind == ltbw::team::Kind::Mail {
+            letter.iter_mut().for_each(|byte| *byte = 0xff);
+        }
+        self.0.send(to, kind, letter);
+    }
+
+    fn flush(&mut self) {
+        self.0.flush();
+    }
+
+    fn take(&mut self) -> Option<(WorkerId, ltbw::team::Kind, Vec<u8>)> {
+        self.0.take()
+    }
+
+    fn wait(&mut self, timeout: Option<Duration>) {
+        self.0.wait(timeout);
+    }
+
+    fn failed(&self) -> Option<WorkerId> {
+        self.0.failed()
+    }
+
+    fn fail(&mut self) {
+        self.0.fail();
+    }
+}
+
+#[test]
+fn a_letter_that_makes_no_sense_ends_all_members_by_the_name_of_its_sender() {
+    let set = uniform(3000);
+    let errors: Vec<String> = std::thread::scope(|scope| {
+        let set = &set;
+        let run = |post| {
+            scope.spawn(move || {
+                let mut team = Team::new(Garbled(post));
+                let built = Builder::new().build_on(&mut team, set);
+                built.expect_err("no mesh").to_string()
+            })
+        };
+        let all: Vec<_> = ltbw::team::threads(3).into_iter().map(run).collect();
+        all.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+    });
+    let named = errors.iter().filter(|e| e.contains("a letter of worker 1 makes no sense")).count();
+    assert!(named > 0, "{errors:?}");
+    assert!(errors.iter().all(|e| e.contains("worker")), "{errors:?}");
 }

@@ -10,6 +10,7 @@
 //! | [`checker`] | the checker passes a sound mesh and finds every planted defect |
 //! | [`domains`] | the check of a domain ends in any order; what is prepared and meshed is judged |
 //! | [`protocol`] | the parallel kernel ends at rest with the one mesh, in any order of events |
+//! | [`wire`] | a letter is read or refused by name; what was read is written as it came |
 //! | [`cli`] | the command line is understood, or refused in one line with exit code 2 |
 //! | [`canary`] | **fails on purpose**: its predicate has a planted bug, which must be found |
 
@@ -21,6 +22,7 @@ pub mod formats;
 pub mod predicates;
 pub mod protocol;
 pub mod triangulate;
+pub mod wire;
 
 use crate::cgal::{Cgal, Failure};
 use std::sync::{Mutex, OnceLock};
@@ -40,7 +42,7 @@ fn reference() -> Option<&'static Mutex<Cgal>> {
 pub type Target = fn(&[u8]);
 
 /// Every target but the canary, which fails on purpose.
-pub const TARGETS: [(&str, Target); 7] = [
+pub const TARGETS: [(&str, Target); 8] = [
     ("predicates", predicates::predicates),
     ("triangulate", triangulate::triangulate),
     ("formats", formats::formats),
@@ -48,4 +50,5 @@ pub const TARGETS: [(&str, Target); 7] = [
     ("cli", cli::cli),
     ("domains", domains::domains),
     ("protocol", protocol::protocol),
+    ("wire", wire::wire),
 ];
