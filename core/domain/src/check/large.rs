@@ -29,12 +29,17 @@ pub(super) struct Large<'c> {
 
 impl<'c> Large<'c> {
     pub(super) fn new(complex: &'c Complex<'c>) -> Self {
+        Self::of(complex, MANY)
+    }
+
+    /// The facets of this number of triangles and more.
+    pub(super) fn of(complex: &'c Complex<'c>, many: usize) -> Self {
         let (mut outlines, mut end) = (HashMap::new(), 0);
         // The triangles of a facet follow each other.
         for group in complex.facet_of.chunk_by(|a, b| a == b) {
             let first = end;
             end += group.len();
-            if group.len() >= MANY && !complex.is_bent(group[0]) {
+            if group.len() >= many && !complex.is_bent(group[0]) {
                 outlines.insert(group[0], Outline::new(complex, first as u32..end as u32));
             }
         }

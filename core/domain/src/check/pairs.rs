@@ -92,7 +92,7 @@ pub(super) fn compared(complex: &Complex<'_>, lists: &[Together]) -> u64 {
 }
 
 /// The contact of two pieces, if there is one.
-fn contact(complex: &Complex<'_>, number: u32, other: u32) -> Option<Contact> {
+pub(super) fn contact(complex: &Complex<'_>, number: u32, other: u32) -> Option<Contact> {
     let contacts = Contacts { points: complex.points };
     // The pieces of a facet are a triangulation.
     let (a, b) = (complex.element(number), complex.element(other));

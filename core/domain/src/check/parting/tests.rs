@@ -3,6 +3,7 @@
 use super::*;
 use crate::check::{DomainReport, Findings, pairs};
 use crate::{CheckOptions, DefectKind, Domain, Facet};
+use proptest::prelude::*;
 
 /// The outline of a comb on a back as high as the teeth are wide.
 fn comb_ring(teeth: u32, length: f64) -> Vec<[f64; 2]> {
@@ -183,4 +184,65 @@ fn what_crosses_a_facet_of_many_corners_is_found() {
         assert_eq!(report(&domain).count(DefectKind::Intersection), crossings, "{at:?}");
         domain = before;
     }
+}
+
+/// A comb's facet, and a triangle, an edge and a vertex with corners of it and others, by the
+/// numbers of these.
+fn beside_a_comb(points: &[Point], picks: &[u32]) -> Domain {
+    let ring = comb_ring(3, 2.0);
+    let count = ring.len() as u32;
+    let mut domain = Domain::default();
+    domain.vertices.extend(ring.iter().map(|&[x, y]| [x, y, 1.0]));
+    domain.vertices.extend(points);
+    let all = domain.vertices.len() as u32;
+    // Half of the picks are corners of the comb.
+    let pick = |k: usize| {
+        let n = picks[k];
+        if n % 2 == 0 { n / 2 % count } else { count + n / 2 % (all - count) }
+    };
+    domain.facets = vec![
+        Facet::polygon(&(0..count).collect::<Vec<u32>>(), 0),
+        Facet::polygon(&[pick(0), pick(1), pick(2)], 0),
+    ];
+    domain.segments.push(([pick(3), pick(4)], 0));
+    domain
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 20_000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_is_apart_from_a_large_facet_has_no_contact_with_it(
+        points in prop::collection::vec([0..7_i32, -1..4, 0..3], 4),
+        picks in prop::collection::vec(0..1000_u32, 5),
+    ) {
+        let points: Vec<Point> = points.into_iter().map(|p| p.map(f64::from)).collect();
+        let domain = beside_a_comb(&points, &picks);
+        let complex = complex(&domain);
+        let own = complex.facet_of.iter().take_while(|&&f| f == 0).count() as u32;
+        prop_assert!(own > 8);
+        let large = Large::of(&complex, 8);
+        for n in own..complex.count() as u32 {
+            let has = |t: u32| pairs::contact(&complex, t, n).is_some();
+            prop_assert!(!large.is_apart(0, n) || !(0..own).any(has), "{:?}", complex.shape(n));
+        }
+    }
+}
+
+#[test]
+fn what_a_large_facet_draws_is_apart_from_it() {
+    let domain = comb(32);
+    let complex = complex(&domain);
+    let large = Large::of(&complex, 8);
+    // All of a prism but the facet itself, of which nobody asks.
+    assert!((0..complex.count() as u32).all(|n| large.is_apart(0, n) && large.is_apart(1, n)));
+    // A wall through both is not.
+    let mut domain = comb(8);
+    domain.vertices.extend([[0.5, 0.5, -1.0], [0.5, 0.5, 2.0], [3.0, -3.0, 0.5]]);
+    let first = domain.vertices.len() as u32 - 3;
+    domain.facets.push(Facet::polygon(&[first, first + 1, first + 2], 0));
+    let complex = self::complex(&domain);
+    let large = Large::of(&complex, 8);
+    let wall = complex.triangles.len() as u32 - 1;
+    assert!(!large.is_apart(0, wall) && !large.is_apart(1, wall));
 }
