@@ -146,7 +146,7 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
     Ok(Exit::Defect)
 }
 
-/// What `mesh` would make of a domain. Nothing is known of one whose defects keep it from being
+/// The outcome of `mesh` on a domain. Nothing is known of one whose defects keep it from being
 /// meshed, nor of one that it takes as it is.
 #[derive(Default)]
 struct Prospect {
