@@ -198,7 +198,7 @@ fn beside_a_comb(points: &[Point], picks: &[u32]) -> Domain {
     // Half of the picks are corners of the comb.
     let pick = |k: usize| {
         let n = picks[k];
-        if n % 2 == 0 { n / 2 % count } else { count + n / 2 % (all - count) }
+        if n.is_multiple_of(2) { n / 2 % count } else { count + n / 2 % (all - count) }
     };
     domain.facets = vec![
         Facet::polygon(&(0..count).collect::<Vec<u32>>(), 0),
