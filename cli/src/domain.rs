@@ -8,8 +8,8 @@ use crate::progress::Stage;
 use crate::streams::Source;
 use crate::surface::{print_troubles, troubles_json};
 use ltbw::domain::{
-    CheckOptions, Domain, DomainDefect, DomainReport, Element, PrepareError, PrepareOptions,
-    Severity, Snapped,
+    CheckOptions, DefectKind, Domain, DomainDefect, DomainReport, Element, PrepareError,
+    PrepareOptions, Prepared, Severity, Snapped,
 };
 use ltbw::io;
 use serde::Serialize;
@@ -33,6 +33,8 @@ struct Report {
     kinds: Vec<Value>,
     /// The number of bodies, if there are defects.
     bodies: usize,
+    /// The code of the reason why `mesh` refuses the domain, if no defect is the reason.
+    refused: Option<&'static str>,
     /// Defects that snapping makes.
     snapped_defect_counts: BTreeMap<&'static str, u64>,
     snapped_defects: Vec<Value>,
@@ -94,11 +96,11 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
     }
     let stage = Stage::begin("check");
     let lenient = PrepareOptions { strict: false, ..options };
-    let after = after_snapping(&file.domain, &report, &snapped, &lenient).map_err(failed)?;
+    let prospect = Prospect::of(&file.domain, &report, &snapped, &lenient).map_err(failed)?;
     drop(stage);
-    let passed = report.passed() && after.is_none();
+    let passed = report.passed() && prospect.is_sound();
     if let Some(path) = &args.json {
-        let text = json_report(&file.domain, file.oriented, &report, &snapped, after.as_ref());
+        let text = json_report(&file.domain, file.oriented, &report, &snapped, &prospect);
         let text =
             serde_json::to_string_pretty(&text).map_err(|e| Failure::Other(e.to_string()))?;
         write_json(path, &(text + "\n"))?;
@@ -110,17 +112,30 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
     }
     if passed {
         args.preparation.told(&file.domain, None)?;
+        prospect.ready.iter().for_each(print_repairs);
         console::people("checked   no defect");
         return Ok(Exit::Done);
     }
-    if let Some(after) = &after {
+    if let Some(after) = &prospect.after {
         console::people("defects once the vertices are on the lattice:");
         print_defects(after);
     }
-    let counted = if report.passed() { after.as_ref().unwrap_or(&report) } else { &report };
+    let counted =
+        if report.passed() { prospect.after.as_ref().unwrap_or(&report) } else { &report };
     print_troubles(Some(counted));
     args.preparation.told(&file.domain, Some(counted))?;
-    tell_repairs(&file.domain, &options);
+    if let Some(error) = &prospect.refused {
+        console::people(&format!("ltbw: {name}: {error}"));
+        return Ok(Exit::Defect);
+    }
+    if let Some(ready) = &prospect.ready {
+        print_repairs(ready);
+        let is_kept = |kind: &DefectKind| *kind == DefectKind::UnusedVertex;
+        let warnings = report.counts.keys().filter(|kind| kind.severity() > Severity::Info);
+        let as_it_is = ready.notes().is_empty() && warnings.copied().all(|kind| is_kept(&kind));
+        let does = if as_it_is { "takes this as it is" } else { "repairs this on its way" };
+        console::people(&format!("note: `ltbw mesh` {does}"));
+    }
     let counts: Vec<String> = counted
         .counts
         .iter()
@@ -131,28 +146,56 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
     Ok(Exit::Defect)
 }
 
-/// Tells what `mesh` would repair of a domain with defects, and whether that is enough.
-fn tell_repairs(domain: &Domain, options: &PrepareOptions) {
-    if let Ok(ready) = domain.prepare(options) {
-        ready.notes().iter().for_each(|n| console::people(&format!("repair    {n}")));
-        console::people("note: `ltbw mesh` repairs this on its way");
+/// The outcome of `mesh` on a domain. Nothing is known of one whose defects keep it from being
+/// meshed, nor of one that it takes as it is.
+#[derive(Default)]
+struct Prospect {
+    /// The domain that it would mesh.
+    ready: Option<Prepared>,
+    /// The defects that snapping brings to a domain that can be meshed as it is.
+    after: Option<DomainReport>,
+    /// The reason why it refuses a domain without defects.
+    refused: Option<PrepareError>,
+}
+
+impl Prospect {
+    fn of(
+        domain: &Domain,
+        report: &DomainReport,
+        snapped: &Snapped,
+        options: &PrepareOptions,
+    ) -> Result<Self, PrepareError> {
+        let is_filled = report.cells.as_ref().is_none_or(|cells| cells.iter().any(|c| c.filled));
+        let is_whole = report.exterior.is_empty() && report.count(DefectKind::Nested) == 0;
+        if report.passed() && snapped.moved == 0 && is_filled && is_whole {
+            return Ok(Self::default());
+        }
+        match domain.prepare(options) {
+            Ok(ready) => Ok(Self { ready: Some(ready), ..Self::default() }),
+            Err(_) if !report.is_meshable() => Ok(Self::default()),
+            Err(PrepareError::BelowLattice { report, .. }) => {
+                Ok(Self { after: Some(*report), ..Self::default() })
+            }
+            Err(error @ (PrepareError::NothingInside | PrepareError::Undecided)) => {
+                Ok(Self { refused: Some(error), ..Self::default() })
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Is there nothing against meshing it that the check of the input does not say?
+    fn is_sound(&self) -> bool {
+        self.after.is_none() && self.refused.is_none()
     }
 }
 
-/// The defects, if any, that snapping brings to a domain that can be meshed as it is.
-fn after_snapping(
-    domain: &Domain,
-    report: &DomainReport,
-    snapped: &Snapped,
-    options: &PrepareOptions,
-) -> Result<Option<DomainReport>, PrepareError> {
-    if !report.is_meshable() || snapped.moved == 0 {
-        return Ok(None);
-    }
-    match domain.prepare(options) {
-        Err(PrepareError::BelowLattice { report, .. }) => Ok(Some(*report)),
-        Err(error) => Err(error),
-        Ok(_) => Ok(None),
+/// Tells what `mesh` would repair of a domain, leave out, guess, or keep though nothing names it.
+fn print_repairs(ready: &Prepared) {
+    ready.notes().iter().for_each(|n| console::people(&format!("repair    {n}")));
+    match ready.report.count(DefectKind::UnusedVertex) {
+        0 => {}
+        1 => console::people("kept      1 vertex that nothing names, inside"),
+        n => console::people(&format!("kept      {n} vertices that nothing names, inside")),
     }
 }
 
@@ -191,7 +234,7 @@ fn print_lattice(snapped: &Snapped) {
             snapped.moved,
             m.vertex,
             m.distance,
-            m.distance / snapped.domain.diagonal()
+            m.distance / snapped.diagonal
         ),
     };
     console::people(&format!("lattice   step 2^{}{lost}: {moves}", lattice.exponent()));
@@ -218,15 +261,16 @@ fn json_report(
     oriented: bool,
     report: &DomainReport,
     snapped: &Snapped,
-    after: Option<&DomainReport>,
+    prospect: &Prospect,
 ) -> Report {
+    let after = prospect.after.as_ref();
     let counts = |r: &DomainReport| r.counts.iter().map(|(k, &n)| (k.code(), n)).collect();
     let defects = |r: &DomainReport| r.defects.iter().map(json_defect).collect();
     let volume = report.volume();
     Report {
         schema: "ltbw.domain/1",
         command: "check",
-        passed: report.passed() && after.is_none(),
+        passed: report.passed() && prospect.is_sound(),
         domain: DomainPart {
             vertices: domain.vertices.len(),
             facets: domain.facets.len(),
@@ -261,6 +305,7 @@ fn json_report(
         defects: defects(report),
         kinds: troubles_json(after.unwrap_or(report)),
         bodies: after.unwrap_or(report).bodies,
+        refused: prospect.refused.as_ref().map(PrepareError::code),
         snapped_defect_counts: after.map(counts).unwrap_or_default(),
         snapped_defects: after.map(defects).unwrap_or_default(),
     }

@@ -133,3 +133,89 @@ fn far_domains_get_a_frame_of_their_own() {
     run(dir.path(), &["check", "own.vtu", "--plc", "far.off", "--own-frame"], 0);
     run(dir.path(), &["mesh", "far.off", "--own-frame", "--local-frame"], 2);
 }
+
+/// A `.poly` of unit cubes at distances along x, with a further vertex and a hole point.
+fn cubes(dir: &Path, name: &str, distances: &[f64], [spare, hole]: [Option<[f64; 3]>; 2]) {
+    let count = 8 * distances.len();
+    let mut text = format!("{} 3 0 0\n", count + usize::from(spare.is_some()));
+    for (n, distance) in distances.iter().enumerate() {
+        for i in 0..8 {
+            let at = |k: i32| f64::from(i >> k & 1);
+            text += &format!("{} {} {} {}\n", 8 * n as i32 + i, at(0) + distance, at(1), at(2));
+        }
+    }
+    spare.iter().for_each(|[x, y, z]| text += &format!("{count} {x} {y} {z}\n"));
+    text += &format!("{} 0\n", 6 * distances.len());
+    for first in (0..count).step_by(8) {
+        for face in
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+        {
+            let [a, b, c, d] = face.map(|v: usize| v + first);
+            text += &format!("1\n4 {a} {b} {c} {d}\n");
+        }
+    }
+    text += &format!("{}\n", usize::from(hole.is_some()));
+    hole.iter().for_each(|[x, y, z]| text += &format!("0 {x} {y} {z}\n"));
+    std::fs::write(dir.join(name), text + "0\n").unwrap();
+}
+
+#[test]
+fn check_says_what_becomes_of_spare_vertices() {
+    let dir = tempfile::tempdir().unwrap();
+    cubes(dir.path(), "in.poly", &[0.0], [Some([0.25, 0.25, 0.5]), None]);
+    let told = run(dir.path(), &["check", "in.poly"], 1);
+    assert!(
+        told.stderr.contains("kept      1 vertex that nothing names, inside"),
+        "{}",
+        told.stderr
+    );
+    assert!(told.stderr.contains("`ltbw mesh` takes this as it is"), "{}", told.stderr);
+    assert!(!told.stderr.contains("repair"), "{}", told.stderr);
+    // So it does.
+    run(dir.path(), &["mesh", "in.poly", "-o", "in.node"], 0);
+    let points = std::fs::read_to_string(dir.path().join("in.node")).unwrap();
+    assert!(points.contains("0.25 0.25 0.5"), "{points}");
+    // Outside it is left out, which is a repair.
+    cubes(dir.path(), "out.poly", &[0.0], [Some([0.25, 1.5, 0.5]), None]);
+    let told = run(dir.path(), &["check", "out.poly"], 1);
+    assert!(told.stderr.contains("repair    1 vertex left out"), "{}", told.stderr);
+    assert!(told.stderr.contains("`ltbw mesh` repairs this on its way"), "{}", told.stderr);
+    assert!(!told.stderr.contains("kept  "), "{}", told.stderr);
+}
+
+#[test]
+fn moves_are_told_as_a_part_of_the_diagonal_that_the_input_has() {
+    let dir = tempfile::tempdir().unwrap();
+    cubes(dir.path(), "far.poly", &[1e12], [None; 2]);
+    let told = run(dir.path(), &["check", "far.poly", "--own-frame"], 1);
+    let line = told.stderr.lines().find(|l| l.starts_with("lattice ")).unwrap();
+    let part = line.strip_suffix(" of the diagonal").and_then(|l| l.rsplit(' ').next()).unwrap();
+    let part: f64 = part.parse().unwrap();
+    // A step is 2^14: each vertex moves by at most half of that in each coordinate.
+    assert!(part.is_finite() && part > 0.1 && part < 8192.0, "{line}");
+}
+
+#[test]
+fn check_tells_what_mesh_refuses_and_leaves_out_though_it_is_no_defect() {
+    let dir = tempfile::tempdir().unwrap();
+    cubes(dir.path(), "hole.poly", &[0.0], [None, Some([0.5; 3])]);
+    run(dir.path(), &["mesh", "hole.poly"], 3);
+    let told = run(dir.path(), &["check", "hole.poly", "--json", "-"], 1);
+    assert!(
+        told.error().contains("hole.poly: there is nothing to mesh: all that"),
+        "{}",
+        told.stderr
+    );
+    let report: Value = serde_json::from_str(&told.stdout).unwrap();
+    assert_eq!(report["passed"], false);
+    assert_eq!(report["refused"], "domain.nothing-inside");
+    // A box that is a hole beside one that is not: nothing is wrong, but six facets are no part.
+    cubes(dir.path(), "beside.poly", &[0.0, 2.0], [None, Some([2.5, 0.5, 0.5])]);
+    let left_out = "6 facets left out: nothing but exterior around (first: facet 6)";
+    let made = run(dir.path(), &["mesh", "beside.poly"], 0);
+    assert!(made.stderr.contains(&format!("note: {left_out}")), "{}", made.stderr);
+    let told = run(dir.path(), &["check", "beside.poly", "--json", "-"], 0);
+    assert!(told.stderr.contains(&format!("repair    {left_out}")), "{}", told.stderr);
+    let report: Value = serde_json::from_str(&told.stdout).unwrap();
+    assert_eq!([&report["passed"], &report["refused"]], [&Value::Bool(true), &Value::Null]);
+}

@@ -1,11 +1,10 @@
 //! Domains with patches within a tolerance, refined in rounds by workers that share no mesh: points
 //! there have turns, which one worker gives. The mesh is that of one thread.
 
-use crate::refining_rounds::{one_mesh, simulated_by};
+use crate::refining_rounds::one_mesh;
 use ltbw::domain::{Domain, PrepareOptions, Prepared};
-use ltbw::protocol::{Correct, Rules};
 use ltbw::refine::{Refiner, usual_tolerance};
-use ltbw::refining::{Ending, SimulatedRounds};
+use ltbw::refining::Ending;
 use ltbw_generate::surfaces::{globe, prism, shell, single, torus, turned};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 

@@ -180,6 +180,9 @@ pub struct Snapped {
     pub moved: usize,
     /// The farthest move, if any vertex moved.
     pub largest: Option<Move>,
+    /// The diagonal of the box of the vertices before any moved, rounded: far from the origin all
+    /// of them may become one.
+    pub diagonal: f64,
 }
 
 impl Snapped {
@@ -244,6 +247,6 @@ impl Domain {
         let seeds = domain.holes.iter_mut().chain(domain.regions.iter_mut().map(|r| &mut r.seed));
         let facet_holes = domain.facets.iter_mut().flat_map(|f| &mut f.holes);
         seeds.chain(facet_holes).for_each(|p| *p = relative(p));
-        Snapped { domain, lattice, moved, largest }
+        Snapped { domain, lattice, moved, largest, diagonal: self.diagonal() }
     }
 }

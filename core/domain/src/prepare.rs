@@ -268,7 +268,7 @@ impl Domain {
 
     /// [`Domain::prepare`] but for what the lattice must not reach out for, and for strictness.
     fn prepare_near(&self, options: &PrepareOptions) -> Result<Prepared, PrepareError> {
-        let Snapped { domain, lattice, moved, largest } = self.snap_near(options)?;
+        let Snapped { domain, lattice, moved, largest, .. } = self.snap_near(options)?;
         let mut repairs = Repairs::default();
         let (domain, mut vertex_map) = self.weld_snapped(domain, &lattice, options, &mut repairs);
         let mut surface = Surface::new(domain);

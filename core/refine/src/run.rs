@@ -294,14 +294,21 @@ impl<'a> Refiner<'a> {
         if tolerance > 0.0 && patches == 0 {
             return Ok(Err(all));
         }
-        let (mut mesh, kernel) = plc.first_mesh(lattice, heed)?;
+        let most = self.max_points.unwrap_or_else(|| self.default_budget(domain));
+        let floor = self.floor_in_steps(domain, lattice);
+        let is_bounded =
+            self.radius_edge.is_some() || self.max_volume.is_some() || self.field.is_some();
+        let mut cuts = plc.cuts(floor, if is_bounded { most } else { 0 }, heed)?;
+        let (mut mesh, kernel) = plc.first_mesh(&mut cuts, lattice, heed)?;
         let expected = self.expected_tets(domain);
         mesh.expect_tets(expected);
         let patches_folded = plc.folds;
         let stats = RefineStats { patches, patches_folded, ..RefineStats::default() };
-        let carriers = mesh.numbers().iter().map(|&c| Carrier::Corner(c)).collect();
-        let next_number = plc.corners.len() as Vertex;
-        let floor = self.floor_in_steps(domain, lattice);
+        let corners = plc.corners.len();
+        let cut = |&c: &Vertex| (c as usize).checked_sub(corners).and_then(|k| cuts.get(k));
+        let carrier = |c: &Vertex| cut(c).map_or(Carrier::Corner(*c), |cut| cut.carrier());
+        let carriers = mesh.numbers().iter().map(carrier).collect();
+        let next_number = kernel.len() as Vertex;
         let near = NEAR * floor / UNIT as f64;
         let lengths = Lengths { near, fine_step: lattice.fine_step() };
         let mut state = State::new(mesh, plc, carriers, lengths, heed)?;
@@ -313,12 +320,13 @@ impl<'a> Refiner<'a> {
             work: Queues::default(),
             stats: RefineStats { flat_tolerance: tolerance, ..stats },
             steps: 0,
-            most: self.max_points.unwrap_or_else(|| self.default_budget(domain)),
+            most,
             stop: None,
             over: None,
             rounds: Vec::new(),
         };
-        run.recover(&kernel)?;
+        cuts.iter().for_each(|cut| run.refinement.inserted.points.count(cut.carrier()));
+        run.recover(&kernel, &cuts)?;
         let found = match patches {
             0 => None,
             _ => match run.recover_patches()? {

@@ -4,6 +4,7 @@
 mod surface;
 
 mod cavity;
+mod combs;
 mod complex;
 mod rounds;
 mod sharp;

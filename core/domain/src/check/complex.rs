@@ -58,6 +58,8 @@ pub(super) struct Complex<'a> {
     /// Which sides of each triangle its facet draws, as sides of polygons; the others lie inside
     /// the facet, and that its triangles have them is chance.
     drawn: Vec<[bool; 3]>,
+    /// The facets that are not planar, ascending.
+    bent: Vec<u32>,
     /// Free-standing edges, and what they are part of.
     pub(super) loose: Vec<([u32; 2], Element)>,
     /// Vertices that nothing names.
@@ -81,6 +83,7 @@ impl<'a> Complex<'a> {
             triangles: Vec::with_capacity(domain.facets.len()),
             facet_of: Vec::with_capacity(domain.facets.len()),
             drawn: Vec::with_capacity(domain.facets.len()),
+            bent: Vec::new(),
             loose: Vec::new(),
             unused: unused(domain),
             broken: Vec::new(),
@@ -130,6 +133,7 @@ impl<'a> Complex<'a> {
             for (i, (found, drawn)) in triangulated.into_iter().enumerate() {
                 let number = (wave * WAVE + i) as u32;
                 if !found.planar {
+                    self.bent.push(number);
                     let at = domain.facets[number as usize].polygons.iter().flatten();
                     let at = at.take(4).map(|&v| self.points[v as usize]).collect();
                     findings.add(DefectKind::NonPlanar, vec![Element::Facet(number)], at);
@@ -194,6 +198,11 @@ impl<'a> Complex<'a> {
         let n = triangle as usize;
         let at = self.triangles[n].map(|v| self.points[v as usize]).to_vec();
         findings.add(DefectKind::Unresolved, vec![Element::Facet(self.facet_of[n])], at);
+    }
+
+    /// Is a facet not planar?
+    pub(super) fn is_bent(&self, facet: u32) -> bool {
+        self.bent.binary_search(&facet).is_ok()
     }
 
     /// The number of pieces.

@@ -2,8 +2,8 @@
 //!
 //! 1. Vertices: duplicates, unused ones. Facets by themselves: no area, crossing edges, corners
 //!    out of the plane, hole points (`complex.rs`).
-//! 2. Every two pieces that may meet (`parting.rs`): do they touch otherwise than in what both name
-//!    (`pairs.rs`, `contact.rs`)?
+//! 2. Every two pieces that may meet (`parting.rs`, `large.rs`): do they touch otherwise than in
+//!    what both name (`pairs.rs`, `contact.rs`)?
 //! 3. If all that is sound, the surface divides space into cells, which are found exactly
 //!    (`cells.rs`): gaps through which the outside leaks in, seeds in no cell, orientation,
 //!    volumes. A part of the surface too small for any segment that is tried is a finding, too.
@@ -22,6 +22,7 @@ mod contact;
 mod ends;
 mod exact;
 mod filling;
+mod large;
 mod outer;
 mod pairs;
 mod parting;

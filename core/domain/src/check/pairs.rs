@@ -3,7 +3,7 @@
 use super::Findings;
 use super::complex::{Complex, Piece, Shape};
 use super::contact::{Contact, Contacts, shared_side};
-use super::parting;
+use super::parting::{self, Together};
 use crate::{DefectKind, Element};
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -53,20 +53,28 @@ pub(super) fn find(complex: &Complex<'_>, pieces: &[Piece], findings: &mut Findi
     }
 }
 
-/// Each piece of a list with those of higher numbers that are not of its facet: the pieces of a
-/// facet, which follow each other, are a triangulation.
+/// Each piece of a list with others that are not of its facet, such that each two are met once: the
+/// pieces of a facet, which follow each other, are a triangulation.
 fn with_others<'a>(
     complex: &'a Complex<'_>,
-    list: &'a [u32],
-) -> impl Iterator<Item = (u32, &'a [u32])> {
+    together: &'a Together,
+) -> Box<dyn Iterator<Item = (u32, &'a [u32])> + 'a> {
+    let list = together.list.as_slice();
     let facet = |n: &u32| complex.facet_of.get(*n as usize);
+    if let Some(own) = together.own {
+        let first = list.partition_point(|n| facet(n).is_some_and(|&f| f < own));
+        let end = list.partition_point(|n| facet(n).is_some_and(|&f| f <= own));
+        let both = [&list[..first], &list[end..]];
+        let own = list[first..end].iter();
+        return Box::new(own.flat_map(move |&n| both.map(|others| (n, others))));
+    }
     let mut end = 0;
     let groups = list.chunk_by(move |a, b| facet(a).is_some() && facet(a) == facet(b));
-    groups.flat_map(move |group| {
+    Box::new(groups.flat_map(move |group| {
         end += group.len();
         let others = &list[end..];
         group.iter().map(move |&n| (n, others))
-    })
+    }))
 }
 
 /// The members of `others` whose boxes meet that of a piece.
@@ -77,25 +85,26 @@ fn near<'a>(pieces: &'a [Piece], n: u32, others: &'a [u32]) -> impl Iterator<Ite
 }
 
 /// The contacts between the pieces of a list.
-fn contacts_in(complex: &Complex<'_>, pieces: &[Piece], list: &[u32]) -> Vec<Found> {
+fn contacts_in(complex: &Complex<'_>, pieces: &[Piece], together: &Together) -> Vec<Found> {
     let of = |(n, others): (u32, &[u32])| {
         let contacts = near(pieces, n, others).filter_map(|other| {
-            Some(Found { one: n, other, contact: contact(complex, n, other)? })
+            let (one, other) = (n.min(other), n.max(other));
+            Some(Found { one, other, contact: contact(complex, one, other)? })
         });
         contacts.take(ENOUGH_AT_ONE).collect::<Vec<Found>>()
     };
-    with_others(complex, list).flat_map(of).collect()
+    with_others(complex, together).flat_map(of).collect()
 }
 
 /// The number of pairs in all lists that are compared.
 #[cfg(test)]
-pub(super) fn compared(complex: &Complex<'_>, lists: &[Vec<u32>]) -> u64 {
+pub(super) fn compared(complex: &Complex<'_>, lists: &[Together]) -> u64 {
     let all = lists.iter().flat_map(|list| with_others(complex, list));
     all.map(|(_, others)| others.len() as u64).sum()
 }
 
 /// The contact of two pieces, if there is one.
-fn contact(complex: &Complex<'_>, number: u32, other: u32) -> Option<Contact> {
+pub(super) fn contact(complex: &Complex<'_>, number: u32, other: u32) -> Option<Contact> {
     let contacts = Contacts { points: complex.points };
     // The pieces of a facet are a triangulation.
     let (a, b) = (complex.element(number), complex.element(other));

@@ -12,10 +12,16 @@
 //! elsewhere, then along a ray from the vertex, so also on the faces of a cube around it that all
 //! sides opposite to the vertex are outside of. So these faces are parted instead.
 //!
+//! Where a large facet has many of the pieces it is taken out first (`large.rs`): what is not sure
+//! to have no contact with it is parted from its triangles, and all others from each other. The
+//! long thin triangles of a facet with many corners meet each other's boxes, but hardly anything
+//! meets its plane elsewhere than where both draw it.
+//!
 //! Cost: about n log n, unless many pieces meet along one edge, or many large ones that have a
 //! vertex in common are cut by as many others.
 
 use super::complex::{Complex, Piece, Shape};
+use super::large::Large;
 use crate::vector::{cross, dominant, dot, minus};
 use ltbw_exact::Point;
 
@@ -29,6 +35,10 @@ const LOOKS: f64 = 32.0;
 /// The cost of a cut (see [`Halves::cost`]) below which no other one is tried: about half of the
 /// pairs are left, and few pieces are in both halves.
 const LITTLE: f64 = 0.6;
+
+/// Times that a list has to be shorter than one out of which a large facet could not be taken, for
+/// that to be tried again.
+const AGAIN: usize = 4;
 
 /// Cuts one in the other; a box of doubles is a point after fewer than 2^12 of them.
 const DEPTH: u32 = 512;
@@ -65,11 +75,19 @@ impl Around {
     }
 }
 
-/// Lists of pieces, ascending, such that every two pieces of different facets that meet are in one
-/// of them; and the number of pieces in all boxes that were looked at.
+/// Pieces that may meet, ascending.
+#[derive(Debug)]
+pub(super) struct Together {
+    pub(super) list: Vec<u32>,
+    /// The facet of which one of each two is a piece, if it is about that facet alone.
+    pub(super) own: Option<u32>,
+}
+
+/// Lists of pieces such that every two pieces of different facets that meet are in one of them;
+/// and the number of pieces in all boxes that were looked at.
 #[derive(Debug, Default)]
 pub(super) struct Parted {
-    pub(super) lists: Vec<Vec<u32>>,
+    pub(super) lists: Vec<Together>,
     pub(super) steps: u64,
 }
 
@@ -82,7 +100,7 @@ impl Parted {
 
 /// Parts the pieces of a complex.
 pub(super) fn part(complex: &Complex<'_>, pieces: &[Piece]) -> Parted {
-    let parting = Parting { complex, pieces };
+    let parting = Parting { complex, pieces, large: Large::new(complex) };
     let mut all = Listed::default();
     (0..pieces.len() as u32).for_each(|n| parting.push(n, &mut all));
     parting.cut(all, None, Vain::default(), 0)
@@ -91,18 +109,25 @@ pub(super) fn part(complex: &Complex<'_>, pieces: &[Piece]) -> Parted {
 struct Parting<'c> {
     complex: &'c Complex<'c>,
     pieces: &'c [Piece],
+    large: Large<'c>,
 }
 
 /// The pieces in a box, ascending.
 #[derive(Default)]
 struct Listed {
     list: Vec<u32>,
-    /// The last of them that are of one facet.
+    /// The facet of which one of each pair is a piece, if it is about that facet alone.
+    own: Option<u32>,
+    /// The last pieces that are of one facet; all that are of this facet.
     alike: usize,
     pairs: u64,
 }
 
 impl Listed {
+    fn about(own: Option<u32>) -> Self {
+        Self { own, ..Self::default() }
+    }
+
     /// The pieces that are looked at again.
     fn paired(&self) -> usize {
         if self.pairs > 0 { self.list.len() } else { 0 }
@@ -120,11 +145,13 @@ struct Vain {
     looks: f64,
     /// Is the box on a cube around a vertex?
     on_cube: bool,
+    /// The pieces of the last list out of which a large facet could not be taken.
+    stuck: usize,
 }
 
 impl Default for Vain {
     fn default() -> Self {
-        Self { left: 1.0, copies: 1.0, looks: 0.0, on_cube: false }
+        Self { left: 1.0, copies: 1.0, looks: 0.0, on_cube: false, stuck: usize::MAX }
     }
 }
 
@@ -135,7 +162,8 @@ impl Vain {
         self.left *= (one.pairs + other.pairs) as f64 / pairs as f64;
         self.looks += self.copies;
         self.copies *= ((one.paired() + other.paired()) as f64 / count as f64).max(1.0);
-        if self.left <= 0.5 { Self { on_cube: self.on_cube, ..Self::default() } } else { self }
+        let Self { on_cube, stuck, .. } = self;
+        if self.left <= 0.5 { Self { on_cube, stuck, ..Self::default() } } else { self }
     }
 }
 
@@ -177,16 +205,23 @@ impl Parting<'_> {
     /// Adds a piece, of a higher number than all in a list.
     fn push(&self, n: u32, to: &mut Listed) {
         let facet = |n: u32| self.complex.facet_of.get(n as usize);
-        let is_alike =
-            to.list.last().is_some_and(|&last| facet(n).is_some() && facet(last) == facet(n));
-        to.alike = if is_alike { to.alike + 1 } else { 1 };
+        let count = to.list.len();
+        if to.own.is_some() {
+            let is_own = facet(n) == to.own.as_ref();
+            to.pairs += if is_own { count - to.alike } else { to.alike } as u64;
+            to.alike += usize::from(is_own);
+        } else {
+            let is_alike =
+                to.list.last().is_some_and(|&last| facet(n).is_some() && facet(last) == facet(n));
+            to.alike = if is_alike { to.alike + 1 } else { 1 };
+            to.pairs += (count + 1 - to.alike) as u64;
+        }
         to.list.push(n);
-        to.pairs += (to.list.len() - to.alike) as u64;
     }
 
     /// Cuts the box of some pieces. Ends: `depth` has a bound.
-    fn cut(&self, all: Listed, within: Option<Bounds>, vain: Vain, depth: u32) -> Parted {
-        let Listed { list, pairs, .. } = all;
+    fn cut(&self, all: Listed, within: Option<Bounds>, mut vain: Vain, depth: u32) -> Parted {
+        let Listed { list, own, pairs, .. } = all;
         let count = list.len();
         let mut parted = Parted { lists: Vec::new(), steps: count as u64 };
         if pairs == 0 {
@@ -194,20 +229,42 @@ impl Parting<'_> {
         }
         let others = 2.0 * pairs as f64 / count as f64;
         let is_cut = others > FEW && depth < DEPTH;
-        let around = (is_cut && !vain.on_cube).then(|| self.around_vertex(&list));
+        if is_cut
+            && own.is_none()
+            && count <= vain.stuck / AGAIN
+            && let Some((f, places)) = self.large.foremost(&list)
+        {
+            parted.steps += count as u64;
+            match self.taken_out(f, places, &list) {
+                Some(lists) => {
+                    drop(list);
+                    for part in lists {
+                        parted.add(self.cut(
+                            part,
+                            within,
+                            Vain { on_cube: vain.on_cube, ..Vain::default() },
+                            depth + 1,
+                        ));
+                    }
+                    return parted;
+                }
+                None => vain.stuck = count,
+            }
+        }
+        let around = (is_cut && !vain.on_cube).then(|| self.around_vertex(&list, own));
         if let Some(faces) = around.flatten() {
             drop(list);
             for (face, bounds) in faces {
-                let vain = Vain { on_cube: true, ..Vain::default() };
+                let vain = Vain { on_cube: true, stuck: vain.stuck, ..Vain::default() };
                 parted.add(self.cut(face, Some(bounds), vain, depth + 1));
             }
             return parted;
         }
         let is_cut = is_cut && vain.looks < LOOKS.min(others / 4.0);
         let bounds = self.taken(&list, within);
-        let best = is_cut.then(|| self.best_halves(&list, pairs, bounds));
+        let best = is_cut.then(|| self.best_halves(&list, own, pairs, bounds));
         let Some(best) = best.flatten() else {
-            parted.lists.push(list);
+            parted.lists.push(Together { list, own });
             return parted;
         };
         drop(list);
@@ -224,9 +281,25 @@ impl Parting<'_> {
         parted
     }
 
+    /// The pieces of a large facet with all that is not sure to have no contact with it, and all
+    /// other pieces; `None` if that does not part half of them from it.
+    fn taken_out(&self, f: u32, [first, end]: [usize; 2], list: &[u32]) -> Option<[Listed; 2]> {
+        let others = || list[..first].iter().chain(&list[end..]);
+        let near: Vec<u32> = others().copied().filter(|&n| !self.large.is_apart(f, n)).collect();
+        if 2 * near.len() > list.len() - (end - first) {
+            return None;
+        }
+        let (mut about, mut rest) = (Listed::about(Some(f)), Listed::default());
+        let (below, above) = near.split_at(near.partition_point(|&n| n < list[first]));
+        let own = below.iter().chain(&list[first..end]).chain(above);
+        own.for_each(|&n| self.push(n, &mut about));
+        others().for_each(|&n| self.push(n, &mut rest));
+        Some([about, rest])
+    }
+
     /// The pieces at each face of a cube around the vertex that all pieces have in common, if there
     /// is one. `None` too if rounding might matter there.
-    fn around_vertex(&self, list: &[u32]) -> Option<Vec<(Listed, Bounds)>> {
+    fn around_vertex(&self, list: &[u32], own: Option<u32>) -> Option<Vec<(Listed, Bounds)>> {
         let has = |n: u32, v: u32| match self.complex.shape(n) {
             Shape::Triangle(t) => t.contains(&v),
             Shape::Edge(e) => e.contains(&v),
@@ -246,7 +319,7 @@ impl Parting<'_> {
         let face = |(axis, side): (usize, usize)| {
             let mut bounds = cube;
             bounds[1 - side][axis] = cube[side][axis];
-            let (mut on, around) = (Listed::default(), Around::new(bounds));
+            let (mut on, around) = (Listed::about(own), Around::new(bounds));
             let met = list.iter().filter(|&&n| self.may_meet(n, &around));
             met.for_each(|&n| self.push(n, &mut on));
             (on, bounds)
@@ -268,13 +341,19 @@ impl Parting<'_> {
     }
 
     /// The halves of least cost, or the first ones of little cost; the longest side is tried first.
-    fn best_halves(&self, list: &[u32], pairs: u64, bounds: Bounds) -> Option<Halves> {
+    fn best_halves(
+        &self,
+        list: &[u32],
+        own: Option<u32>,
+        pairs: u64,
+        bounds: Bounds,
+    ) -> Option<Halves> {
         let mut axes = [0, 1, 2];
         let length = |k: usize| bounds[1][k] / 2.0 - bounds[0][k] / 2.0;
         axes.sort_by(|&i, &j| length(j).total_cmp(&length(i)));
         let mut best: Option<(f64, Halves)> = None;
         for axis in axes {
-            let Some(halves) = self.halves(list, bounds, axis) else { continue };
+            let Some(halves) = self.halves((list, own), bounds, axis) else { continue };
             let cost = halves.cost(list.len(), pairs);
             if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, halves));
@@ -287,13 +366,19 @@ impl Parting<'_> {
     }
 
     /// The pieces in the halves of a box; `None` if it has none along this axis.
-    fn halves(&self, list: &[u32], bounds: Bounds, axis: usize) -> Option<Halves> {
+    fn halves(
+        &self,
+        (list, own): (&[u32], Option<u32>),
+        bounds: Bounds,
+        axis: usize,
+    ) -> Option<Halves> {
         let [low, high] = bounds;
         let middle = low[axis] / 2.0 + high[axis] / 2.0;
         if !(low[axis] < middle && middle < high[axis]) {
             return None;
         }
-        let mut halves = Halves { bounds: [bounds; 2], ..Halves::default() };
+        let lists = [own, own].map(Listed::about);
+        let mut halves = Halves { lists, bounds: [bounds; 2] };
         halves.bounds[0][1][axis] = middle;
         halves.bounds[1][0][axis] = middle;
         let around = halves.bounds.map(Around::new);
@@ -347,135 +432,4 @@ impl Parting<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::check::{DomainReport, Findings, pairs};
-    use crate::{CheckOptions, DefectKind, Domain, Facet};
-
-    /// A comb with teeth of length 1 on a back as high as the teeth are wide: facets of very many
-    /// corners, whose triangles run along all of the back.
-    fn comb(teeth: u32) -> Domain {
-        let mut ring = Vec::new();
-        for k in 0..teeth {
-            let corners = [[0, 0], [0, 1], [1, 1], [1, 0]];
-            ring.extend(corners.map(|[x, y]| [f64::from(2 * k + x), f64::from(y)]));
-        }
-        let end = f64::from(2 * teeth);
-        ring.extend([[end, 0.0], [end, -1.0], [0.0, -1.0]]);
-        let mut domain = Domain::default();
-        let count = ring.len() as u32;
-        for z in [0.0, 1.0] {
-            domain.vertices.extend(ring.iter().map(|&[x, y]| [x, y, z]));
-        }
-        let front: Vec<u32> = (0..count).collect();
-        let back: Vec<u32> = (count..2 * count).collect();
-        domain.facets = vec![Facet::polygon(&front, 0), Facet::polygon(&back, 0)];
-        domain.facets.extend((0..count).map(|k| {
-            let next = (k + 1) % count;
-            Facet::polygon(&[k, next, next + count, k + count], 0)
-        }));
-        domain
-    }
-
-    /// A box with faces of `size`² squares of two triangles.
-    fn plate(size: u32) -> Domain {
-        let mut domain = Domain::default();
-        let at = |x: u32, y: u32| y * (size + 1) + x;
-        let count = (size + 1) * (size + 1);
-        for z in [0.0, 1.0] {
-            let points = (0..count).map(|k| [k % (size + 1), k / (size + 1)].map(f64::from));
-            domain.vertices.extend(points.map(|[x, y]| [x, y, z]));
-        }
-        for (x, y) in (0..size * size).map(|k| (k % size, k / size)) {
-            for up in [0, count] {
-                let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
-                domain.facets.push(Facet::polygon(&[a, b, c].map(|v| v + up), 0));
-                domain.facets.push(Facet::polygon(&[a, c, d].map(|v| v + up), 0));
-            }
-        }
-        for k in 0..size {
-            let ends = [
-                [at(k, 0), at(k + 1, 0)],
-                [at(k, size), at(k + 1, size)],
-                [at(0, k), at(0, k + 1)],
-                [at(size, k), at(size, k + 1)],
-            ];
-            let side = |[a, b]: [u32; 2]| Facet::polygon(&[a, b, b + count, a + count], 0);
-            domain.facets.extend(ends.map(side));
-        }
-        domain
-    }
-
-    /// Two cones over a polygon: very many triangles at either apex.
-    fn bipyramid(count: u32) -> Domain {
-        let mut domain = Domain::default();
-        domain.vertices.extend([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
-        for k in 0..count {
-            // A square with many corners along each side, bent outwards.
-            let t = f64::from(4 * k / count) + f64::from(k % (count / 4)) / f64::from(count / 4);
-            let s = 2.0 * t.fract() - 1.0;
-            let out = 2.0 - s * s;
-            let [x, y] = [[s, -out], [out, s], [-s, out], [-out, -s]][t as usize];
-            domain.vertices.push([x, y, 0.0]);
-        }
-        for k in 0..count {
-            let (a, b) = (2 + k, 2 + (k + 1) % count);
-            domain.facets.push(Facet::polygon(&[0, a, b], 0));
-            domain.facets.push(Facet::polygon(&[1, b, a], 0));
-        }
-        domain
-    }
-
-    /// A domain of a size.
-    type Make = fn(u32) -> Domain;
-
-    fn report(domain: &Domain) -> DomainReport {
-        domain.check(&CheckOptions::default()).expect("a report")
-    }
-
-    fn complex(domain: &Domain) -> Complex<'_> {
-        let mut findings = Findings {
-            defects: Default::default(),
-            counts: Default::default(),
-            listed: 0,
-            errors: Vec::new(),
-        };
-        Complex::new(domain, &mut findings)
-    }
-
-    #[test]
-    fn each_piece_takes_few_steps_of_many() {
-        let makes: [(Make, u32); 3] = [(comb, 1 << 8), (plate, 1 << 4), (bipyramid, 1 << 10)];
-        for (make, size) in makes {
-            let steps = [1, 2, 4].map(|times| {
-                let domain = make(size * times);
-                assert!(report(&domain).passed());
-                let complex = complex(&domain);
-                let pieces = complex.pieces();
-                let parted = part(&complex, &pieces);
-                let pairs = pairs::compared(&complex, &parted.lists);
-                [parted.steps, pairs].map(|n| n as f64 / pieces.len() as f64)
-            });
-            for pair in steps.windows(2) {
-                // For each piece a logarithm of steps, and no more pairs than before.
-                assert!(pair[1][0] < 1.3 * pair[0][0] + 4.0, "{steps:?}");
-                assert!(pair[1][1] < 1.3 * pair[0][1] + 1.0, "{steps:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn what_crosses_a_facet_of_many_corners_is_found() {
-        let mut domain = comb(64);
-        // A needle through the middle of a tooth, one beside it, and one along the back.
-        let needles = [([20.5, 0.5, -1.0], 1), ([21.5, 0.5, -1.0], 0), ([100.5, -0.5, -1.0], 1)];
-        for (at, crossings) in needles {
-            let before = domain.clone();
-            let first = domain.vertices.len() as u32;
-            domain.vertices.extend([at, [at[0], at[1], 0.5], [at[0] + 0.125, at[1], 0.5]]);
-            domain.facets.push(Facet::polygon(&[first, first + 1, first + 2], 0));
-            assert_eq!(report(&domain).count(DefectKind::Intersection), crossings, "{at:?}");
-            domain = before;
-        }
-    }
-}
+mod tests;

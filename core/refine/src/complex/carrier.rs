@@ -47,6 +47,19 @@ impl Carrier {
     }
 }
 
+/// A point at which a segment is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Cut {
+    pub(crate) segment: u32,
+    pub(crate) parameter: i64,
+}
+
+impl Cut {
+    pub(crate) fn carrier(self) -> Carrier {
+        Carrier::Segment(self.segment, self.parameter)
+    }
+}
+
 /// A corner in fine steps.
 pub(crate) fn corner_point(a: &Grid) -> Point {
     a.map(|c| (c * UNIT) as f64)

@@ -4,7 +4,7 @@
 //! An edge of polygons is a *segment*, except where two polygons of one facet with one marker meet
 //! and nothing else does: there the facet simply continues.
 
-use super::carrier::{Carrier, Grid, Line, Plane, corner_point};
+use super::carrier::{Carrier, Cut, Grid, Line, Plane, corner_point};
 use super::flat::{self, Polygon};
 use super::patch::Patch;
 use crate::RefineError;
@@ -90,21 +90,30 @@ impl Plc {
         self.facets.iter().any(|facet| facet.patch.is_some())
     }
 
-    /// The Delaunay mesh of the corners, and the kernel vertex of each.
+    /// The Delaunay mesh of the corners and of the cuts, and the kernel vertex of each, in this
+    /// order. Where a corner is at a cut, inside a segment, nothing is cut.
     pub(crate) fn first_mesh(
         &self,
+        cuts: &mut Vec<Cut>,
         lattice: &Lattice,
         heed: Heed<'_>,
     ) -> Result<(Mesh, Vec<VertexId>), RefineError> {
-        let points: Vec<Point> = self.corners.iter().map(corner_point).collect();
+        let cut = |cut: &Cut| self.segments[cut.segment as usize].line.point(cut.parameter);
+        let points: Vec<Point> =
+            self.corners.iter().map(corner_point).chain(cuts.iter().map(cut)).collect();
+        let count = points.len();
         let builder = heed.0.map_or(Builder::new(), |token| Builder::new().cancel(token));
         let mut mesh = builder.build(&PointSet::new(points)?)?.mesh;
         heed.ask()?;
         if let Some(&Duplicate { number: second, kept: first }) = mesh.duplicates().first() {
+            if second.max(first) as usize >= self.corners.len() {
+                cuts.clear();
+                return self.first_mesh(cuts, lattice, heed);
+            }
             return Err(RefineError::DuplicateVertex { first, second });
         }
         mesh.scaled_by(ltbw_domain::lattice::PARAMETER_BITS - lattice.exponent());
-        let mut kernel = vec![INFINITE; self.corners.len()];
+        let mut kernel = vec![INFINITE; count];
         for (v, &number) in (0..).map(VertexId::new).zip(mesh.numbers()).skip(1) {
             kernel[number as usize] = v;
         }

@@ -7,6 +7,7 @@
 //! Those of its triangles that lie in the facet's polygons are its subfaces.
 
 use crate::RefineError;
+use crate::complex::carrier::Cut;
 use crate::complex::parts::Parts;
 use crate::heed::Heed;
 use crate::mesh::item::{Item, Queues};
@@ -23,19 +24,27 @@ const APEX: f64 = (1u64 << 52) as f64;
 
 impl State {
     /// Enters all segments; marks those that the mesh has, puts those that it lacks. `kernel` is
-    /// the kernel vertex of each corner.
+    /// the kernel vertex of each corner, and then of each cut.
     ///
     /// # Errors
     /// [`RefineError::Cancelled`].
     pub(crate) fn enter_segments(
         &mut self,
         kernel: &[VertexId],
+        cuts: &[Cut],
         work: &mut Queues,
         heed: Heed<'_>,
     ) -> Result<(), RefineError> {
+        let mut of_cuts = kernel[self.plc.corners.len()..].iter();
+        let mut own = cuts.chunk_by(|one, other| one.segment == other.segment).peekable();
         for (s, segment) in (0..).zip(&self.plc.segments) {
-            let [a, b] = segment.ends.map(|c| kernel[c as usize]);
-            self.segments.insert(edge(a, b), s);
+            let [mut at, end] = segment.ends.map(|c| kernel[c as usize]);
+            // In their order along the segment, as they are in the list.
+            let inner = own.next_if(|cuts| cuts[0].segment == s).map_or(0, |cuts| cuts.len());
+            for next in of_cuts.by_ref().take(inner).copied().chain([end]) {
+                self.segments.insert(edge(at, next), s);
+                at = next;
+            }
         }
         let mut found: Set<[VertexId; 2]> = Set::default();
         for (k, t) in self.mesh.tet_ids().collect::<Vec<TetId>>().into_iter().enumerate() {

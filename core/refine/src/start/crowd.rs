@@ -1,0 +1,94 @@
+//! Crowded segments, which are cut before there is a mesh.
+//!
+//! The back of a comb is a segment whose diametral ball holds nearly all corners. In the mesh of
+//! these it is an edge of tetrahedra with spheres far larger than the domain: nearly the whole mesh
+//! is the cavity of a point on it, and of each point that it bars. Cut until the ball of each part
+//! holds few corners, it is as long as what is around it is wide, and all cavities are small from
+//! the start. Refinement would have to cut it as far, one round after the other.
+//!
+//! Cost: a search in a tree for each segment, and for each part of a crowded one.
+
+use crate::RefineError;
+use crate::complex::carrier::{Carrier, Cut, corner_point};
+use crate::complex::plc::Plc;
+use crate::heed::Heed;
+use crate::rules::aim::{Aim, Aims};
+use ltbw_domain::vector::distance2;
+use ltbw_exact::Point;
+use rstar::RTree;
+use std::collections::VecDeque;
+
+/// Corners in the ball of a segment from which on it is cut.
+const CROWD: usize = 1024;
+
+/// The most corners in the ball of a part of it.
+const FEW: usize = 4;
+
+/// A part of a segment, by carriers and places of its ends.
+struct Part {
+    segment: u32,
+    ends: [(Carrier, Point); 2],
+}
+
+impl Part {
+    fn whole(plc: &Plc, segment: u32) -> Self {
+        let end = |c: u32| (Carrier::Corner(c), corner_point(&plc.corners[c as usize]));
+        Self { segment, ends: plc.segments[segment as usize].ends.map(end) }
+    }
+
+    /// Does its ball hold more than this number of corners, its own ends left out? Rounding may
+    /// count one on the sphere: it is a number of about that size.
+    fn has_more(&self, tree: &RTree<Point>, count: usize) -> bool {
+        let [a, b] = self.ends.map(|(_, p)| p);
+        let middle = [0, 1, 2].map(|k| a[k] / 2.0 + b[k] / 2.0);
+        let inside = tree.locate_within_distance(middle, distance2(&a, &b) / 4.0);
+        inside.filter(|&p| *p != a && *p != b).nth(count).is_some()
+    }
+}
+
+impl Plc {
+    /// The cuts of crowded segments, ascending; none if there are patches, and at most `most`. A
+    /// function of the domain alone.
+    ///
+    /// # Errors
+    /// [`RefineError::Cancelled`].
+    pub(crate) fn cuts(
+        &self,
+        floor: f64,
+        most: u64,
+        heed: Heed<'_>,
+    ) -> Result<Vec<Cut>, RefineError> {
+        let mut cuts = Vec::new();
+        if most == 0 || self.corners.len() <= CROWD || self.has_patches() {
+            return Ok(cuts);
+        }
+        let tree = RTree::bulk_load(self.corners.iter().map(corner_point).collect());
+        let aims = Aims { plc: self, floor };
+        // The longest parts come first: where the budget ends the rest is cut evenly.
+        let mut parts = VecDeque::new();
+        for segment in 0..self.segments.len() as u32 {
+            heed.ask_at(segment as usize)?;
+            let whole = Part::whole(self, segment);
+            if whole.has_more(&tree, CROWD) {
+                parts.push_back(whole);
+            }
+        }
+        // Ends: parts have whole parameters at their ends, and each is cut between them.
+        while let Some(Part { segment, ends }) = parts.pop_front() {
+            heed.ask_at(cuts.len())?;
+            let Aim::At { point, carrier, .. } = aims.subsegment(segment, ends, 0) else {
+                continue;
+            };
+            let Carrier::Segment(_, parameter) = carrier else { continue };
+            if cuts.len() as u64 >= most {
+                break;
+            }
+            cuts.push(Cut { segment, parameter });
+            let cut = (carrier, point);
+            let halves = [[ends[0], cut], [cut, ends[1]]].map(|ends| Part { segment, ends });
+            parts.extend(halves.into_iter().filter(|half| half.has_more(&tree, FEW)));
+        }
+        cuts.sort_unstable();
+        Ok(cuts)
+    }
+}
