@@ -7,17 +7,17 @@ use crate::console::{self, Stop};
 use crate::excused;
 use crate::explained::{excused, is_explained};
 use crate::json::write_text;
+use crate::others::Others;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::Scene;
 use crate::pieces::parts_of;
 use crate::progress::{Progress, Stage};
-use crate::ranks::Others;
 use crate::report::{Input, MeshPart, Predicates, Report, Seconds, quality_json, quality_line};
 use crate::rounds;
 use crate::surface::{print_patches, repairs_json};
 use crate::task::{Files, Judged, Task};
 use crate::unrecovered;
-use crate::workers::{Crew, Made, print_workers, refine};
+use crate::workers::{Crew, Made, Setting, print_workers, refine};
 use ltbw::domain::Prepared;
 use ltbw::domain::exterior::LEFT_OUT;
 use ltbw::io;
@@ -255,7 +255,8 @@ fn refined(job: &Job<'_>, ready: &Prepared) -> Result<Option<(Refined, Made)>, F
     if let Some(count) = job.max_points {
         refiner = refiner.max_points(count);
     }
-    refine(&refiner, ready, job.crew, &job.task)
+    let Task { name, stop, others, .. } = job.task;
+    refine(&refiner, ready, job.crew, Setting { name, stop, others })
 }
 
 /// Tells in a last line what is over a bound, if anything is.

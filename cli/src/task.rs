@@ -5,10 +5,10 @@ use crate::args::Depth;
 use crate::binding::Binding;
 use crate::console::{self, Stop};
 use crate::json::{distinct, file_writable, keep_input, without_pairs, write_text};
+use crate::others::Others;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
 use crate::progress::Stage;
-use crate::ranks::Others;
 use crate::report::{
     Input, MeshPart, Predicates, Report, Seconds, Spent, Written, end, peak_rss_bytes,
 };

@@ -1,9 +1,9 @@
 //! The refinement of a domain, by one engine or by workers that share no mesh: in rounds, or as
 //! points come.
 
-use crate::console;
+use crate::console::{self, Stop};
+use crate::others::Others;
 use crate::outcome::{Failure, show};
-use crate::task::Task;
 use ltbw::domain::Prepared;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw::refining::{
@@ -41,20 +41,28 @@ pub(crate) struct Crew {
     pub(crate) mode: Mode,
 }
 
+/// The domain's name, what stops a run, and the other processes of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Setting<'a> {
+    pub(crate) name: &'a Path,
+    pub(crate) stop: &'a Stop,
+    pub(crate) others: Others<'a>,
+}
+
 /// Refines a prepared domain, by a crew if there is one.
 pub(crate) fn refine(
     refiner: &Refiner<'_>,
     ready: &Prepared,
     crew: Option<Crew>,
-    task: &Task<'_>,
+    setting: Setting<'_>,
 ) -> Result<Option<(Refined, Made)>, Failure> {
-    let name = task.name;
+    let Setting { name, stop, others } = setting;
     let failed = |error| Failure::Refine { path: name.to_owned(), error };
     let whole = (&ready.domain, &ready.lattice);
     let Some(Crew { workers, mode }) = crew else {
         return Ok(Some((refiner.refine(whole.0, whole.1).map_err(failed)?, Made::default())));
     };
-    let token = task.stop.token();
+    let token = stop.token();
     let parallel = Parallel::new(workers).cancel(token);
     // The number of points that they have inserted, and why there is none.
     let of_rounds = |run: ThreadedRounds| {
@@ -62,8 +70,8 @@ pub(crate) fn refine(
         let made = Made { workers: run.workers, owners: run.owners, ..Made::default() };
         (run.refined, made, points, run.ending.err())
     };
-    let run = match (mode, task.others) {
-        (_, Some(others)) => match others.refine(refiner, whole, (&parallel, token)) {
+    let run = match (mode, others) {
+        (_, Some(others)) => match others.refine(refiner, ready, &parallel, token) {
             Ok(None) => return Ok(None),
             Ok(Some(run)) => Ok(of_rounds(run)),
             Err(error) => Err(error),

@@ -260,31 +260,26 @@ impl<'a> Builder<'a> {
             kernel = kernel.measure(spans);
         }
         run(&kernel, &|apart| {
-            let is_part = only.is_some();
-            self.put_together(&kernel, apart, (choice_seconds, is_part))
+            let mut built = self.put_together(&kernel, apart)?;
+            built.stats.order_seconds += choice_seconds;
+            if only.is_some() && built.outcome == Outcome::Complete {
+                built.outcome = Outcome::Budget;
+            }
+            Ok(built)
         })
     }
 
-    /// The mesh of all parts; whether the budget left points out, and the seconds to tell which.
-    fn put_together(
-        &self,
-        kernel: &Parallel<'_>,
-        apart: Distributed,
-        (choice_seconds, is_part): (f64, bool),
-    ) -> Result<Built, RunError> {
+    /// The mesh of all parts.
+    fn put_together(&self, kernel: &Parallel<'_>, apart: Distributed) -> Result<Built, RunError> {
         let count = if self.parts { apart.parts() } else { 0 };
         let parts = (0..count).map(|part| apart.tets(part).collect()).collect();
         let run = kernel.gather(apart)?;
         let stats = Stats {
-            order_seconds: choice_seconds + run.start_seconds,
+            order_seconds: run.start_seconds,
             insert_seconds: run.insert_seconds + run.gather_seconds,
             predicates: run.mesh.predicate_stats(),
         };
         let Run { mesh, outcome, duplicates, workers, summary, trace, .. } = run;
-        let outcome = match outcome {
-            Outcome::Complete if is_part => Outcome::Budget,
-            outcome => outcome,
-        };
         Ok(Built { mesh, outcome, stats, duplicates, workers, summary, trace, parts })
     }
 }

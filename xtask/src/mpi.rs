@@ -65,9 +65,8 @@ pub(crate) fn run(rest: &[String]) -> Result<(), String> {
     let tools: [(&str, &[&str]); 2] = [("mpirun", &["--version"]), ("mpicc", &["--version"])];
     for (tool, arguments) in tools {
         if !shell::works(command(tool).args(arguments)) {
-            let reason = format!(
-                "{tool} does not start: apt-get install openmpi-bin libopenmpi-dev libclang-dev clang"
-            );
+            let install = "apt-get install openmpi-bin libopenmpi-dev libclang-dev clang";
+            let reason = format!("{tool} does not start: {install}");
             return require::skip("the program of parallel/mpi", "mpi", &reason);
         }
     }
@@ -77,12 +76,12 @@ pub(crate) fn run(rest: &[String]) -> Result<(), String> {
     for input in &inputs {
         let alone = bench.alone(input)?;
         for &count in &ranks {
-            bench.compare(input, &alone, (count, &[], None))?;
+            bench.compare(input, &alone, Way { count, ..Way::default() })?;
             runs += 1;
         }
         let most = ranks.iter().copied().max().unwrap_or(2);
-        bench.compare(input, &alone, (most, &TCP, None))?;
-        bench.compare(input, &alone, (2, &[], Some("300")))?;
+        bench.compare(input, &alone, Way { count: most, network: &TCP, late: None })?;
+        bench.compare(input, &alone, Way { count: 2, network: &[], late: Some("300") })?;
         runs += 2;
     }
     println!("{} inputs, {runs} runs: one hash each", inputs.len());
@@ -102,6 +101,16 @@ fn ranks(rest: &[String]) -> Result<Vec<u32>, String> {
         }
         _ => Err("cargo xtask mpi [--ranks 1,2,3,4]".to_owned()),
     }
+}
+
+/// The way in which an input is run on processes.
+#[derive(Clone, Copy, Default)]
+struct Way<'a> {
+    count: u32,
+    /// Options of `mpirun`.
+    network: &'a [&'a str],
+    /// The delay of mails, in microseconds.
+    late: Option<&'a str>,
 }
 
 impl Bench {
@@ -167,12 +176,8 @@ impl Bench {
     }
 
     /// Runs an input on processes, and compares code, hash and excuses.
-    fn compare(
-        &self,
-        input: &Input,
-        alone: &Outcome,
-        (count, network, latency): (u32, &[&str], Option<&str>),
-    ) -> Result<(), String> {
+    fn compare(&self, input: &Input, alone: &Outcome, way: Way<'_>) -> Result<(), String> {
+        let Way { count, network, late: latency } = way;
         let report = words_of(&["--json", "ranks.json"]);
         let arguments = [input.arguments.clone(), report].concat();
         let mut job = self.job(count, network);

@@ -6,14 +6,28 @@ use crate::streams::is_stdin;
 use crate::workers::Mode;
 use std::path::Path;
 
+/// An option, and whether it was given.
+struct Asked {
+    option: &'static str,
+    is_given: bool,
+}
+
+impl Asked {
+    fn new(option: &'static str, is_given: bool) -> Self {
+        Self { option, is_given }
+    }
+}
+
 /// Refuses options that a process that is one of several does not have.
-fn refused(options: &[(&str, bool)], input: &Path) -> Result<(), Failure> {
+fn refused(options: &[Asked], input: &Path) -> Result<(), Failure> {
     if is_stdin(input) {
         let text = "stdin: each process of a job reads the input, which has to be a file";
         return Err(Failure::Usage(text.to_owned()));
     }
-    match options.iter().find(|(_, is_asked)| *is_asked) {
-        Some((option, _)) => Err(Failure::Usage(format!("{option} is for threads of one process"))),
+    match options.iter().find(|asked| asked.is_given) {
+        Some(Asked { option, .. }) => {
+            Err(Failure::Usage(format!("{option} is for threads of one process")))
+        }
         None => Ok(()),
     }
 }
@@ -22,9 +36,9 @@ impl Delaunay {
     /// For one of several processes: the first one alone checks and writes.
     pub(crate) fn for_ranks(&mut self, is_first: bool) -> Result<(), Failure> {
         let options = [
-            ("--balance", self.balance),
-            ("--tables", self.tables),
-            ("--trace", self.trace.is_some()),
+            Asked::new("--balance", self.balance),
+            Asked::new("--tables", self.tables),
+            Asked::new("--trace", self.trace.is_some()),
         ];
         refused(&options, &self.points)?;
         if !is_first {
@@ -40,9 +54,9 @@ impl MeshArgs {
     /// For one of several processes: the first one alone checks and writes.
     pub(crate) fn for_ranks(&mut self, is_first: bool) -> Result<(), Failure> {
         let options = [
-            ("--workers", self.workers.is_some()),
-            ("--mode", self.mode != Mode::Rounds),
-            ("--trace", self.trace.is_some()),
+            Asked::new("--workers", self.workers.is_some()),
+            Asked::new("--mode", self.mode != Mode::Rounds),
+            Asked::new("--trace", self.trace.is_some()),
         ];
         refused(&options, &self.domain)?;
         if !is_first {

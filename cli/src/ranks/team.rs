@@ -1,17 +1,18 @@
 //! A process as one of a team: how it begins, agrees with the others, and ends.
 
-use super::Ranks;
 use crate::args::{Args, Command};
 use crate::binding::{Read, sha256};
+use crate::others::Ranks;
 use crate::outcome::{Exit, Failure};
 use crate::{console, dispatch, machine, refusal};
 use clap::Parser;
+use ltbw::domain::Prepared;
 use ltbw::refine::Refiner;
 use ltbw::refining::{RefineError, ThreadedRounds, rounds_on_team};
 use ltbw::team::{LetterFigures, Post, Team, TeamError};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::wire::VERSION;
-use ltbw::{Builder, Built, CancelToken, Domain, Lattice, PointSet};
+use ltbw::{Builder, Built, CancelToken, PointSet};
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::ffi::OsString;
@@ -102,10 +103,16 @@ impl<P: Post> Ranks for Member<'_, P> {
     fn refine(
         &self,
         refiner: &Refiner<'_>,
-        whole: (&Domain, &Lattice),
-        of: (&Parallel<'_>, &CancelToken),
+        ready: &Prepared,
+        parallel: &Parallel<'_>,
+        token: &CancelToken,
     ) -> Result<Option<ThreadedRounds>, RefineError> {
-        let refined = rounds_on_team(refiner, whole, of, *self.team.borrow_mut());
+        let refined = rounds_on_team(
+            refiner,
+            (&ready.domain, &ready.lattice),
+            (parallel, token),
+            *self.team.borrow_mut(),
+        );
         let is_lost = |error: &RefineError| {
             !matches!(error, RefineError::Build(_) | RefineError::Domain(_) | RefineError::Range)
         };

@@ -380,7 +380,7 @@ fn distribute(
     let mut gone = vec![Gone::default(); topology.slots()];
     let block_of = |&t: &TetId| corners(t).map_or(BlockId::default(), |v| blocks.of_tet(v));
     let block_of_each: Vec<BlockId> = tets.par_iter().map(block_of).collect();
-    // Those of one worker alone, if nobody else is here.
+    // The worker whose tetrahedra are made: all of them, or one alone if nobody else is here.
     let first = workers.first().map_or(0, |mesh| mesh.me.index());
     let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
     for (&t, block) in tets.iter().zip(block_of_each) {

@@ -106,6 +106,7 @@ pub struct WireClosure {
 
 /// A tetrahedron by its owner and its slot there, as long as nothing is inserted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Owned {
     pub(crate) owner: WorkerId,
     pub(crate) tet: TetId,
@@ -113,6 +114,7 @@ pub struct Owned {
 
 /// A candidate of a round in turns, before anything is probed.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Entrant {
     pub(crate) rank: Rank,
     /// The tetrahedron that it splits, if it is none of the boundary, and the group of its
@@ -123,6 +125,7 @@ pub struct Entrant {
 
 /// The verdict of a probe, as the conductor is told of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reported {
     /// No point does, or the rounds end.
     Nothing,
@@ -137,6 +140,7 @@ pub enum Reported {
 
 /// The findings of a probe in turns.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Report {
     /// Its number among the entrants of its home.
     pub(crate) number: u32,
@@ -170,6 +174,7 @@ impl Report {
 
 /// The fate of an entrant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum Fate {
     /// Its point is inserted, or what it asks for is to be split.
     Stands,

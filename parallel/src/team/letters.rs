@@ -1,6 +1,7 @@
 //! The way of a worker's messages to workers elsewhere: in letters.
 
 use super::{Kind, Post, Team};
+use crate::mailbox::Received;
 use crate::protocol::WorkerId;
 use crate::transport::Transport;
 use crate::wire::{Wire, open};
@@ -84,12 +85,14 @@ impl<'t, P: Post> Letters<'t, P> {
     }
 
     /// Reads a letter.
-    fn read<M: Wire>(&mut self, from: WorkerId, letter: Vec<u8>, into: &mut Vec<(WorkerId, M)>) {
+    fn read<M: Wire>(&mut self, from: WorkerId, letter: Vec<u8>, into: &mut Vec<Received<M>>) {
         if letter.is_empty() {
             // Everybody hears of it from the first one: nobody passes it on.
             self.has_told = true;
             self.cancel.iter().for_each(|token| token.cancel());
-        } else if let Err(fault) = open(from, &letter, |mail| into.push((from, mail))) {
+        } else if let Err(fault) =
+            open(from, &letter, |message| into.push(Received { from, message }))
+        {
             // The next ones would be out of order.
             self.team.fault.get_or_insert(fault);
         }
@@ -123,7 +126,7 @@ impl<M: Wire, P: Post> Transport<M> for Letters<'_, P> {
         self.team.post.flush();
     }
 
-    fn take(&mut self, into: &mut Vec<(WorkerId, M)>) {
+    fn take(&mut self, into: &mut Vec<Received<M>>) {
         self.team.sort();
         let latency = self.team.latency;
         if latency.is_zero() {

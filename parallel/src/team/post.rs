@@ -1,6 +1,6 @@
 //! Letters from one member of a team to another.
 
-use crate::mailbox::{Endpoint, connect};
+use crate::mailbox::{Endpoint, Received, connect};
 use crate::protocol::WorkerId;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -86,7 +86,7 @@ impl Post for Alone {
 /// The post of threads of one process, which share nothing but mailboxes of bytes.
 pub struct Threads {
     end: Endpoint<(Kind, Vec<u8>)>,
-    arrived: Vec<(WorkerId, (Kind, Vec<u8>))>,
+    arrived: Vec<Received<(Kind, Vec<u8>)>>,
     waiting: VecDeque<(WorkerId, Kind, Vec<u8>)>,
 }
 
@@ -122,8 +122,9 @@ impl Post for Threads {
     fn take(&mut self) -> Option<(WorkerId, Kind, Vec<u8>)> {
         if self.waiting.is_empty() {
             self.end.try_take(&mut self.arrived);
-            let all = self.arrived.drain(..).map(|(from, (kind, letter))| (from, kind, letter));
-            self.waiting.extend(all);
+            let all = self.arrived.drain(..);
+            self.waiting
+                .extend(all.map(|Received { from, message: (kind, letter) }| (from, kind, letter)));
         }
         self.waiting.pop_front()
     }

@@ -1,5 +1,5 @@
-//! Refusals of a job, and processes that panic, are killed or are stopped: each ends with a code and
-//! a word about it, and none hangs.
+//! Refusals of a job, and processes that panic, are killed or are stopped: each ends with a code
+//! and a word about it, and none hangs.
 
 use super::{Bench, Outcome, begin, end, watched, words_of};
 use crate::shell;
@@ -34,7 +34,7 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
     for (arguments, code, word) in refusals {
         let mut job = bench.job(2, &[]);
         let outcome = watched(job.arg(&bench.ranked).args(arguments), PATIENCE)?;
-        expect(&format!("{arguments:?}"), &outcome, (code, word))?;
+        expect(&format!("{arguments:?}"), &outcome, code, word)?;
         count += 1;
     }
     count += different(bench)?;
@@ -44,25 +44,21 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
         job.env("LTBW_MPI_PANIC_RANK", &number).env("LTBW_MPI_PANIC_LETTER", "40");
         job.arg(&bench.ranked).args(["delaunay", "uniform-20000.npy"]);
         let outcome = watched(&mut job, PATIENCE)?;
-        expect(
-            &format!("a panic of rank {rank}"),
-            &outcome,
-            (70, &format!("rank {rank}: a panic")),
-        )?;
+        expect(&format!("a panic of rank {rank}"), &outcome, 70, &format!("rank {rank}: a panic"))?;
         count += 1;
     }
     for rank in 0..2 {
         let outcome = signalled(bench, rank, "KILL", &[])?;
         // Open MPI makes of it 128 and the number of the signal.
-        expect(&format!("SIGKILL of rank {rank}"), &outcome, (137, "signal 9"))?;
+        expect(&format!("SIGKILL of rank {rank}"), &outcome, 137, "signal 9")?;
         let partial = folder.join("partial.vtu");
         _ = fs::remove_file(&partial);
         let outcome =
             signalled(bench, rank, "TERM", &["-o", "partial.vtu", "--json", "partial.json"])?;
-        expect(&format!("SIGTERM of rank {rank}"), &outcome, (4, "points meshed"))?;
+        expect(&format!("SIGTERM of rank {rank}"), &outcome, 4, "points meshed")?;
         let check = words_of(&["check", "partial.vtu", "--delaunay"]);
         let checked = bench.ltbw(&check)?;
-        expect("the mesh so far", &checked, (0, ""))?;
+        expect("the mesh so far", &checked, 0, "")?;
         count += 2;
     }
     Ok(count)
@@ -83,9 +79,9 @@ fn different(bench: &Bench) -> Result<u32, String> {
     };
     let usual = [&*program, "delaunay", "uniform-40.npy"];
     let outcome = apart(&usual, &[&program, "delaunay", "sphere-5000.npy"])?;
-    expect("another command line", &outcome, (2, "rank 1 has another command line"))?;
+    expect("another command line", &outcome, 2, "rank 1 has another command line")?;
     let outcome = apart(&usual, &[&other, "delaunay", "uniform-40.npy"])?;
-    expect("another build", &outcome, (2, "rank 1 has another build"))?;
+    expect("another build", &outcome, 2, "rank 1 has another build")?;
     // Each in a folder of its own, with an input of the same name.
     let input = |rank: u32, from: &str| -> Result<(), String> {
         let own = folder.join(format!("rank-{rank}"));
@@ -100,12 +96,12 @@ fn different(bench: &Bench) -> Result<u32, String> {
         let mut job = bench.job(2, &[]);
         watched(job.args(["sh", "-c", script, &program]), PATIENCE)
     };
-    expect("another input", &own_folders()?, (3, "rank 1 has read another input"))?;
+    expect("another input", &own_folders()?, 3, "rank 1 has read another input")?;
     fs::remove_file(folder.join("rank-1/points.npy")).map_err(|error| error.to_string())?;
-    expect("no input at one rank", &own_folders()?, (3, "rank 1: points.npy"))?;
+    expect("no input at one rank", &own_folders()?, 3, "rank 1: points.npy")?;
     let mut job = bench.job(2, &[]);
     job.env("LTBW_MPI_WAIT", "sometimes").args(usual);
-    expect("another way to wait", &watched(&mut job, PATIENCE)?, (2, "spin, yield or nap"))?;
+    expect("another way to wait", &watched(&mut job, PATIENCE)?, 2, "spin, yield or nap")?;
     Ok(5)
 }
 
@@ -143,7 +139,7 @@ fn signalled(bench: &Bench, rank: u32, signal: &str, more: &[&str]) -> Result<Ou
 }
 
 /// Makes sure that a run has ended with this code, and has said this.
-fn expect(what: &str, outcome: &Outcome, (code, word): (i32, &str)) -> Result<(), String> {
+fn expect(what: &str, outcome: &Outcome, code: i32, word: &str) -> Result<(), String> {
     if outcome.code == Some(code) && outcome.stderr.contains(word) {
         println!("{what}: {code}, {:.2} s", outcome.seconds);
         return Ok(());

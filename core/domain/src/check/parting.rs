@@ -353,7 +353,7 @@ impl Parting<'_> {
         axes.sort_by(|&i, &j| length(j).total_cmp(&length(i)));
         let mut best: Option<(f64, Halves)> = None;
         for axis in axes {
-            let Some(halves) = self.halves((list, own), bounds, axis) else { continue };
+            let Some(halves) = self.halves(list, own, bounds, axis) else { continue };
             let cost = halves.cost(list.len(), pairs);
             if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, halves));
@@ -368,7 +368,8 @@ impl Parting<'_> {
     /// The pieces in the halves of a box; `None` if it has none along this axis.
     fn halves(
         &self,
-        (list, own): (&[u32], Option<u32>),
+        list: &[u32],
+        own: Option<u32>,
         bounds: Bounds,
         axis: usize,
     ) -> Option<Halves> {

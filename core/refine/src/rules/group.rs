@@ -6,6 +6,7 @@ use ltbw_exact::Point;
 /// of its centre in a grid of half of that.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Group(i32, [i64; 3]);
 
 /// Where 0 is in its cell of the grid.

@@ -88,6 +88,7 @@ impl<T: Copy + Ord> Survey<T> {
 /// The tetrahedra at which candidates that come before a point make it wait.
 #[doc(hidden)]
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Watch<T> {
     /// It waits if one of these has a rival.
     any: Vec<T>,
@@ -98,6 +99,7 @@ pub struct Watch<T> {
 
 /// The rivals for which a point waits wherever they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Anywhere {
     Boundary,
     Apart,

@@ -46,6 +46,7 @@ pub struct DomainPoint {
 /// A wall of a cavity, by the coordinates of its corners, and the region that its new tetrahedron
 /// gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WallRegion {
     wall: [Bits; 3],
     region: u32,
