@@ -10,6 +10,7 @@ use ltbw::refining::{
     Owners, RefineError, Splits, ThreadedRounds, domain_on_threads, rounds_on_threads,
 };
 use ltbw::threads::{Parallel, RunError, WorkerStats};
+use std::path::Path;
 
 /// The part of workers in a refinement; of none if there were none.
 #[derive(Default)]

@@ -5,7 +5,7 @@ fn on_team<R: Send>(members: u32, member: impl Fn(&mut Team<Threads>) -> R + Syn
         let member = &member;
         let run = |post| scope.spawn(move || member(&mut Team::new(post)));
         let all: Vec<_> = threads(members).into_iter().map(run).collect();
-        all.into_iter().map(|thread| thread.join().unwrap()).collect()
+        all.into_iter().map(|thread| thread.join().expect("a member does not panic")).collect()
     })
 }
 

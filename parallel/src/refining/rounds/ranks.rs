@@ -80,6 +80,12 @@ struct Member<'m, 'p, P> {
     stats: WorkerStats,
 }
 
+/// The parts of all members, each with the work that it leaves, and the figures of all.
+struct Collected {
+    parts: Vec<(Part, Left)>,
+    stats: Vec<WorkerStats>,
+}
+
 impl<P: Post> Member<'_, '_, P> {
     /// Carries out its part of rounds, from a start on to where one takes over.
     fn refine<'c>(
@@ -116,8 +122,8 @@ impl<P: Post> Member<'_, '_, P> {
                 Err(unfit) => break (delegated.go_on()?, Err(unfit)),
             };
             let (left, common) = self.refine(complex, &start, &resumed)?;
-            let (all, own) = self.collect(left, &common)?;
-            workers = own;
+            let Collected { parts: all, stats } = self.collect(left, &common)?;
+            workers = stats;
             let before = (&start, delegated.stats());
             let (handed, ending, slots) = join(all, common, before, &mut resumed.figures)?;
             firsts = slots;
@@ -171,7 +177,7 @@ impl<P: Post> Member<'_, '_, P> {
         &mut self,
         own: (Part, Left),
         common: &SharedInput,
-    ) -> Result<(Vec<(Part, Left)>, Vec<WorkerStats>), RefineError> {
+    ) -> Result<Collected, RefineError> {
         let bytes = self.team.gather(Vec::new()).map_err(of_team)?.unwrap_or_default();
         let (mut stats, mut shares, mut rest) = (vec![self.stats], Vec::new(), Vec::new());
         for (from, bytes) in WorkerId::below(self.team.size()).zip(bytes).skip(1) {
@@ -188,6 +194,6 @@ impl<P: Post> Member<'_, '_, P> {
             regions.resize(mesh.tets().topology().slots(), 0);
             all.push((Part { mesh, made, regions }, left));
         }
-        Ok((all, stats))
+        Ok(Collected { parts: all, stats })
     }
 }
