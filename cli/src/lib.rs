@@ -22,7 +22,7 @@
 //! | `streams` | stdin and stdout in place of files |
 //! | `simulate` | `simulate`: the parallel kernel on simulated processors |
 //! | `demo` | `demo` |
-//! | `ranks` | processes that mesh together: `ltbw-mpi` |
+//! | `others`, `ranks` | processes that mesh together: as the pipeline sees them; `ltbw-mpi` |
 //! | `vectors`, `kit` | `vectors`: a foreign program and the conformance kit |
 //! | `report` | the JSON report `ltbw.report/1` |
 //! | `outcome` | exit codes, and errors as one line |
@@ -60,6 +60,7 @@ mod machine;
 mod mesh;
 mod numbers;
 mod orient;
+mod others;
 mod outcome;
 mod page;
 mod picture;
@@ -69,8 +70,6 @@ mod progress;
 #[cfg(feature = "wire")]
 #[doc(hidden)]
 pub mod ranks;
-#[cfg(not(feature = "wire"))]
-mod ranks;
 mod refusal;
 mod remedy;
 mod report;
@@ -87,8 +86,8 @@ mod workers;
 
 use args::{Args, Command, Delaunay, MeshArgs, Vectors};
 use clap::Parser;
+use others::Others;
 use outcome::{Exit, Failure};
-use ranks::Others;
 use std::ffi::OsString;
 use std::process::ExitCode;
 

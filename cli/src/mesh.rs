@@ -7,11 +7,11 @@ use crate::console::{self, Stop};
 use crate::excused;
 use crate::explained::{excused, is_explained};
 use crate::json::write_text;
+use crate::others::Others;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::Scene;
 use crate::pieces::parts_of;
 use crate::progress::{Progress, Stage};
-use crate::ranks::Others;
 use crate::report::{Input, MeshPart, Predicates, Report, Seconds, quality_json, quality_line};
 use crate::rounds;
 use crate::surface::{print_patches, repairs_json};
@@ -254,7 +254,8 @@ fn refined(job: &Job<'_>, ready: &Prepared) -> Result<Option<(Refined, Made)>, F
     if let Some(count) = job.max_points {
         refiner = refiner.max_points(count);
     }
-    refine((&refiner, ready), job.crew, &job.task)
+    let task = &job.task;
+    refine((&refiner, ready), job.crew, (task.stop, task.name), task.others)
 }
 
 /// Tells in a last line what is over a bound, if anything is.

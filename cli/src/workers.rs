@@ -1,15 +1,16 @@
 //! The refinement of a domain, by one engine or by workers that share no mesh: in rounds, or as
 //! points come.
 
-use crate::console;
+use crate::console::{self, Stop};
+use crate::others::Others;
 use crate::outcome::{Failure, show};
-use crate::task::Task;
 use ltbw::domain::Prepared;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw::refining::{
     Owners, RefineError, Splits, ThreadedRounds, domain_on_threads, rounds_on_threads,
 };
 use ltbw::threads::{Parallel, RunError, WorkerStats};
+use std::path::Path;
 
 /// The part of workers in a refinement; of none if there were none.
 #[derive(Default)]
@@ -45,15 +46,15 @@ pub(crate) struct Crew {
 pub(crate) fn refine(
     (refiner, ready): (&Refiner<'_>, &Prepared),
     crew: Option<Crew>,
-    task: &Task<'_>,
+    (stop, name): (&Stop, &Path),
+    others: Others<'_>,
 ) -> Result<Option<(Refined, Made)>, Failure> {
-    let name = task.name;
     let failed = |error| Failure::Refine { path: name.to_owned(), error };
     let whole = (&ready.domain, &ready.lattice);
     let Some(Crew { workers, mode }) = crew else {
         return Ok(Some((refiner.refine(whole.0, whole.1).map_err(failed)?, Made::default())));
     };
-    let token = task.stop.token();
+    let token = stop.token();
     let parallel = Parallel::new(workers).cancel(token);
     // The number of points that they have inserted, and why there is none.
     let of_rounds = |run: ThreadedRounds| {
@@ -61,7 +62,7 @@ pub(crate) fn refine(
         let made = Made { workers: run.workers, owners: run.owners, ..Made::default() };
         (run.refined, made, points, run.ending.err())
     };
-    let run = match (mode, task.others) {
+    let run = match (mode, others) {
         (_, Some(others)) => match others.refine(refiner, whole, (&parallel, token)) {
             Ok(None) => return Ok(None),
             Ok(Some(run)) => Ok(of_rounds(run)),

@@ -1,44 +1,11 @@
 //! Processes that mesh together: each is given the same command line, and reads the same input; the
 //! first one checks, writes and reports.
 //!
-//! Refusals are agreed upon before the work (`Ranks::agree`): the lowest process that refuses is
+//! Refusals are agreed upon before the work: the lowest process that refuses is
 //! told of, once, and all end with its exit code. Afterwards a failure of one is the end
 //! of all ([`Ended::Alone`]).
 
-#[cfg(feature = "wire")]
 mod options;
-#[cfg(feature = "wire")]
 mod team;
 
-#[cfg(feature = "wire")]
 pub use team::{Ended, run};
-
-use crate::binding::Read;
-use crate::outcome::Failure;
-use ltbw::refine::Refiner;
-use ltbw::refining::{RefineError, ThreadedRounds};
-use ltbw::threads::{Parallel, RunError};
-use ltbw::{Builder, Built, CancelToken, Domain, Lattice, PointSet};
-
-/// The processes, as the pipeline sees them.
-pub(crate) trait Ranks {
-    /// Their number.
-    fn size(&self) -> u32;
-
-    /// Makes sure that all have read these files.
-    fn agree(&self, inputs: &[Read]) -> Result<(), Failure>;
-
-    /// Builds a mesh; the first process gets it.
-    fn build(&self, builder: &Builder<'_>, set: &PointSet) -> Result<Option<Built>, RunError>;
-
-    /// Refines a domain; the first process gets the mesh.
-    fn refine(
-        &self,
-        refiner: &Refiner<'_>,
-        whole: (&Domain, &Lattice),
-        of: (&Parallel<'_>, &CancelToken),
-    ) -> Result<Option<ThreadedRounds>, RefineError>;
-}
-
-/// The processes of a run, if there are several.
-pub(crate) type Others<'r> = Option<&'r dyn Ranks>;

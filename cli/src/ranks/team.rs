@@ -1,8 +1,8 @@
 //! A process as one of a team: how it begins, agrees with the others, and ends.
 
-use super::Ranks;
 use crate::args::{Args, Command};
 use crate::binding::{Read, sha256};
+use crate::others::Ranks;
 use crate::outcome::{Exit, Failure};
 use crate::{console, dispatch, machine, refusal};
 use clap::Parser;

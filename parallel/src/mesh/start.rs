@@ -295,8 +295,8 @@ impl Layout {
 }
 
 /// The part of a start that is wanted.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Wanted<'a> {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wanted<'a> {
     /// The points, by index, or all.
     pub(crate) only: Option<&'a [u32]>,
     /// A curve with weights of places, to be cut into blocks of about equal weight.
@@ -359,7 +359,7 @@ fn distribute(
     let mut place: Vec<(BlockId, WorkerId, TetId)> = vec![<_>::default(); topology.slots()];
     let block_of = |&t: &TetId| corners(t).map_or(BlockId::default(), |v| blocks.of_tet(v));
     let block_of_each: Vec<BlockId> = tets.par_iter().map(block_of).collect();
-    // Those of one worker alone, if nobody else is here.
+    // One worker alone may be here, and its tetrahedra then.
     let first = workers.first().map_or(0, |mesh| mesh.me.index());
     let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
     for (&t, block) in tets.iter().zip(block_of_each) {

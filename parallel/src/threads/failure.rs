@@ -32,8 +32,8 @@ pub enum RunError {
     #[cfg(feature = "wire")]
     #[error(transparent)]
     Team(#[from] crate::team::TeamError),
-    /// What came from a worker elsewhere is no part of the mesh.
+    /// A share of a worker elsewhere is no part of the mesh.
     #[cfg(feature = "wire")]
     #[error(transparent)]
-    Share(#[from] crate::mesh::ShareError),
+    Share(#[from] crate::mesh::share::ShareError),
 }

@@ -1,8 +1,8 @@
 //! Letters between workers: the first byte says of which kind, the others are the letter.
 //!
 //! A letter that can be read can be written, and read again, as it was; another one is refused by
-//! the name of its sender. Neither takes more memory than a few times the letter's, as a nested or an
-//! announced length would.
+//! the name of its sender. Neither takes more memory than a few times the letter's, as a nested or
+//! an announced length would.
 
 use ltbw::mesh::LocalMesh;
 use ltbw::protocol::WorkerId;

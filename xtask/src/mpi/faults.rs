@@ -1,5 +1,5 @@
-//! Refusals of a job, and processes that panic, are killed or are stopped: each ends with a code and
-//! a word about it, and none hangs.
+//! Refusals of a job, and processes that panic, are killed or are stopped: each ends with a code
+//! and a word about it, and none hangs.
 
 use super::{Bench, Outcome, begin, end, watched, words_of};
 use crate::shell;
