@@ -39,6 +39,7 @@
 //! | `ndarray` | [`PointSet`] of an (n, 3) view, arrays of meshes and of [`quality`] |
 //! | `nalgebra` | [`PointSet`] from a slice of `Point3<f64>`, a matrix of [`quality`] |
 //! | `serde` | [`Snapshot`], [`PointSet`], [`TetMesh`] and figures to be stored and read |
+//! | `wire` | letters of workers in processes of their own, for the program `ltbw-mpi` |
 //!
 //! `use ltbw::prelude::*` brings what most programs need. The examples by task: `points`, `walk`,
 //! `domain`, `watch` and `threads`, in the folder `examples` of this crate.

@@ -184,13 +184,3 @@ mod tests {
         assert_eq!(["0-3,8\n", "0", "", "2-1", "x"].map(cores), [5, 1, 0, 0, 0]);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::cores;
-
-    #[test]
-    fn cores_are_counted_in_ranges() {
-        assert_eq!(["0-3,8\n", "0", "", "2-1", "x"].map(cores), [5, 1, 0, 0, 0]);
-    }
-}

@@ -13,8 +13,7 @@
 //! | `fill` | the home's retriangulation of a cavity, as one patch per owner |
 //! | `apply` | patches, and tetrahedra that move |
 //! | `start` | the coarse mesh, distributed |
-//! | `gather` | the submeshes, put together |
-//! | `share` | a submesh at its end, as a value that travels |
+//! | `gather`, `share` | the submeshes, put together; as values that travel |
 //! | `inspect` | what checkers of the protocol see |
 //! | `probe` | a submesh as one that keeps more of it sees it |
 //! | `point_queue` | the points to insert, on many cursors |
@@ -34,7 +33,7 @@ mod piece;
 mod point_queue;
 mod probe;
 #[cfg(feature = "wire")]
-mod share;
+pub mod share;
 mod start;
 mod vertices;
 mod wire;
@@ -44,12 +43,8 @@ pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
 pub(crate) use probe::{Again, TETS_PER_VERTEX};
-#[cfg(feature = "wire")]
-pub use share::{Share, ShareError};
-#[cfg(feature = "wire")]
-pub(crate) use share::{put_back, share_of};
-pub(crate) use start::{Cut, Wanted};
-pub use start::{Layout, Ownership, Prepared, SharedInput};
+pub(crate) use start::Cut;
+pub use start::{Layout, Ownership, Prepared, SharedInput, Wanted};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
 
 use crate::protocol::invariant;

@@ -182,3 +182,66 @@ impl Share {
         Ok(mesh)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Layout, Ownership, Prepared, gather};
+    use crate::wire::{bytes_of, value_of};
+    use ltbw_core::Builder;
+    use ltbw_exact::PointSet;
+    use ltbw_generate::{PointKind, generate};
+
+    fn start() -> (PointSet, Prepared) {
+        let set = PointSet::new(generate(PointKind::Uniform, 400, 3)).unwrap();
+        let layout = Layout { ownership: Ownership::Newest, ..Layout::new(set.len(), 3) };
+        let prepared = layout.prepare_all(&set, None).unwrap();
+        (set, prepared)
+    }
+
+    #[test]
+    fn a_mesh_of_shares_is_the_mesh() {
+        let (set, Prepared { workers, common, .. }) = start();
+        let mut meshes: Vec<LocalMesh> = workers.into_iter().map(|(_, mesh, _)| mesh).collect();
+        let travel = |mesh: &LocalMesh| {
+            let bytes = bytes_of(&share_of(mesh).0, mesh.me).unwrap();
+            value_of(mesh.me, &bytes).unwrap()
+        };
+        let shares = meshes[1..].iter().map(travel).collect();
+        let others = put_back(shares, &meshes[0], &common, common.mode).unwrap();
+        for (other, mesh) in others.iter().zip(&meshes[1..]) {
+            assert_eq!(share_of(other).0, share_of(mesh).0);
+        }
+        meshes.splice(1.., others);
+        let whole = gather(meshes, common).unwrap().mesh;
+        assert_eq!(whole.hash(), Builder::new().build(&set).unwrap().mesh.hash());
+    }
+
+    #[test]
+    fn numbers_of_nothing_are_refused_by_name() {
+        let (_, Prepared { workers, common, .. }) = start();
+        let mesh = &workers[1].1;
+        let put = |share| put_back(vec![share], mesh, &common, common.mode).map(|_| ());
+        let (good, _) = share_of(mesh);
+        assert_eq!(put(good.clone()), Ok(()));
+        assert_eq!(good.is_of(mesh.me), Ok(()));
+        assert!(good.is_of(WorkerId::new(7)).is_err());
+        let most = u32::MAX;
+        let mut bad = [(); 6].map(|()| good.clone());
+        bad[0].tets[3][1] = most;
+        bad[1].tets[3][0] = 0;
+        bad[2].beyond[2][1] = Beyond::Near(most);
+        bad[3].names.push((Name { by: mesh.me, number: 9 }, most));
+        bad[4].own.end = most;
+        bad[5].own.start = 0;
+        let kinds = ["vertex", "vertex", "face", "tetrahedron", "vertex", "vertex"];
+        for (share, kind) in bad.into_iter().zip(kinds) {
+            match put(share) {
+                Err(ShareError::Missing { worker, what, .. }) => {
+                    assert_eq!((worker, what), (mesh.me, kind));
+                }
+                other => panic!("{kind}: {other:?}"),
+            }
+        }
+    }
+}

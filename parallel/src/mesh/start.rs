@@ -291,7 +291,7 @@ impl Layout {
 }
 
 /// A curve that is cut into blocks of about equal weight.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Cut<'a> {
     pub(crate) curve: Curve,
     /// The weights of some places.
@@ -299,8 +299,8 @@ pub(crate) struct Cut<'a> {
 }
 
 /// The part of a start that is wanted.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Wanted<'a> {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wanted<'a> {
     /// The points, by index, or all.
     pub(crate) only: Option<&'a [u32]>,
     /// The cut into blocks, if not by numbers of points.

@@ -35,5 +35,5 @@ pub enum RunError {
     /// A share that came from a worker elsewhere is no part of the mesh.
     #[cfg(feature = "wire")]
     #[error(transparent)]
-    Share(#[from] crate::mesh::ShareError),
+    Share(#[from] crate::mesh::share::ShareError),
 }

@@ -2,7 +2,8 @@
 //! puts together what they leave, as it does with threads.
 
 use super::{Ending, Left, Resumed, RoundNode, ThreadedRounds, begin, join, left_by};
-use crate::mesh::{Share, SharedInput, VertexName, put_back, share_of};
+use crate::mesh::share::{Share, put_back, share_of};
+use crate::mesh::{SharedInput, VertexName};
 use crate::protocol::{Correct, WorkerId};
 use crate::refining::RefineError;
 use crate::refining::whole::{Owners, Part};
