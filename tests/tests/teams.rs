@@ -12,7 +12,7 @@ use ltbw::transport::Mail;
 use ltbw::wire::{Wire, charged, open};
 use ltbw::{BuildError, Builder, CancelToken, Outcome, PointSet, invariants};
 use ltbw_generate::layers::stack;
-use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain};
+use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain, surfaces};
 use ltbw_tests::domains::NAMED;
 use ltbw_tests::families::{Family, Size, all};
 use ltbw_tests::fuzz::wire::{DOMAIN, POINTS, wire};
@@ -164,6 +164,18 @@ fn domains_on_teams_have_the_engines_mesh() {
     }
     // Small angles are the first member's.
     assert!(by_members >= 8, "members have refined {by_members} of {} domains", NAMED.len());
+}
+
+#[test]
+fn a_surface_with_patches_on_teams_has_the_engines_mesh() {
+    let domain = surfaces::single(surfaces::torus(10));
+    let options = PrepareOptions { oriented: true, ..PrepareOptions::default() };
+    let ready = domain.prepare(&options).expect("a sound domain");
+    let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(1e-3).start(64);
+    for rounds in on_teams("a torus", &refiner, &ready) {
+        assert_eq!(rounds.ending, Some(Ending::Done));
+        assert!(rounds.figures.points > 0, "members have refined nothing");
+    }
 }
 
 /// Items that wait for each other are split by the first member, and all go on from there, unless
