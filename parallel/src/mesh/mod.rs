@@ -43,8 +43,8 @@ pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
 pub(crate) use probe::{Again, TETS_PER_VERTEX};
-pub(crate) use start::Cut;
-pub use start::{Layout, Ownership, Prepared, SharedInput, Wanted};
+pub(crate) use start::{Cut, Wanted};
+pub use start::{Layout, Ownership, Prepared, SharedInput};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
 
 use crate::protocol::invariant;

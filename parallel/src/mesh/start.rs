@@ -300,7 +300,7 @@ pub(crate) struct Cut<'a> {
 
 /// The part of a start that is wanted.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Wanted<'a> {
+pub(crate) struct Wanted<'a> {
     /// The points, by index, or all.
     pub(crate) only: Option<&'a [u32]>,
     /// The cut into blocks, if not by numbers of points.
