@@ -203,6 +203,26 @@ impl<P: Post> Team<P> {
         Ok(bytes)
     }
 
+    /// Sends a value to the first member, which calls [`Team::parcels`] at the same time.
+    ///
+    /// # Errors
+    /// [`TeamError`] if the value cannot be written.
+    pub fn send_parcel<T: Serialize>(&mut self, own: &T) -> Result<(), TeamError> {
+        let own = bytes_of(own, self.me())?;
+        self.gather(own).map(drop)
+    }
+
+    /// The values of all other members at the first one, which call [`Team::send_parcel`], by
+    /// sender.
+    ///
+    /// # Errors
+    /// [`TeamError`] if a member has failed, or has sent no such value.
+    pub fn parcels<T: DeserializeOwned>(&mut self) -> Result<Vec<(WorkerId, T)>, TeamError> {
+        let all = self.gather(Vec::new())?.unwrap_or_default();
+        let others = WorkerId::below(all.len() as u32).zip(all).skip(1);
+        others.map(|(from, bytes)| Ok((from, value_of(from, &bytes)?))).collect()
+    }
+
     /// As [`Team::gather`], of values.
     ///
     /// # Errors

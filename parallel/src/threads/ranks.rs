@@ -9,10 +9,10 @@ use crate::mesh::share::{Share, put_back, share_of};
 use crate::mesh::{Layout, Ownership, Prepared, Wanted};
 use crate::metrics::SubmeshSize;
 use crate::payload::Payload;
-use crate::protocol::{Source, Worker, WorkerId};
+use crate::protocol::{Source, Worker};
 use crate::team::{Letters, Post, Team, TeamError};
 use crate::transport::Mail;
-use crate::wire::{Wire, bytes_of, value_of};
+use crate::wire::Wire;
 use ltbw_core::{BuildError, CancelToken, Outcome, Phase};
 use ltbw_exact::PointSet;
 use std::time::Instant;
@@ -70,14 +70,11 @@ impl Parallel<'_> {
         if !team.is_first() {
             let made = Made { share: share_of(&mesh).0, stats, is_cut_short };
             drop(mesh);
-            let own = bytes_of(&made, team.me()).map_err(TeamError::from)?;
-            team.gather(own)?;
+            team.send_parcel(&made)?;
             return Ok(None);
         }
-        let all = team.gather(Vec::new())?.unwrap_or_default();
         let (mut workers, mut shares, mut is_cut_short) = (vec![stats], Vec::new(), is_cut_short);
-        for (from, bytes) in WorkerId::below(all.len() as u32).zip(all).skip(1) {
-            let made: Made = value_of(from, &bytes).map_err(TeamError::from)?;
+        for (from, made) in team.parcels::<Made>()? {
             workers.push(made.stats);
             is_cut_short |= made.is_cut_short;
             made.share.is_of(from)?;

@@ -4,12 +4,11 @@
 use super::{Ending, Left, Resumed, RoundNode, ThreadedRounds, begin, join, left_by};
 use crate::mesh::share::{Share, put_back, share_of};
 use crate::mesh::{SharedInput, VertexName};
-use crate::protocol::{Correct, WorkerId};
+use crate::protocol::Correct;
 use crate::refining::RefineError;
 use crate::refining::whole::{Owners, Part};
 use crate::team::{Post, Team, TeamError};
 use crate::threads::{Parallel, RunError, WorkerStats};
-use crate::wire::{bytes_of, value_of};
 use ltbw_core::CancelToken;
 use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
@@ -162,8 +161,7 @@ impl<P: Post> Member<'_, '_, P> {
         // Ends with the first one's loop.
         loop {
             let (left, _) = self.refine(complex, &again.0, &again.1)?;
-            let parcel = bytes_of(&Parcel::of(left, self.stats), self.team.me());
-            self.team.gather(parcel.map_err(of_team)?).map_err(of_team)?;
+            self.team.send_parcel(&Parcel::of(left, self.stats)).map_err(of_team)?;
             match self.team.tell_value(None::<Again>).map_err(of_team)? {
                 None => return Ok(()),
                 Some(told) => again = told,
@@ -179,10 +177,8 @@ impl<P: Post> Member<'_, '_, P> {
         own: (Part, Left),
         common: &SharedInput,
     ) -> Result<Collected, RefineError> {
-        let bytes = self.team.gather(Vec::new()).map_err(of_team)?.unwrap_or_default();
         let (mut stats, mut shares, mut rest) = (vec![self.stats], Vec::new(), Vec::new());
-        for (from, bytes) in WorkerId::below(self.team.size()).zip(bytes).skip(1) {
-            let parcel: Parcel = value_of(from, &bytes).map_err(of_team)?;
+        for (from, parcel) in self.team.parcels::<Parcel>().map_err(of_team)? {
             parcel.share.is_of(from).map_err(RunError::from)?;
             stats.push(parcel.stats);
             shares.push(parcel.share);
