@@ -255,6 +255,9 @@ pub(crate) struct MeshArgs {
     /// Largest circumradius to shortest edge, at least 1 (sure to end from 2 on) [default: 2]
     #[arg(long, value_name = "B", allow_negative_numbers = true)]
     pub(crate) radius_edge: Option<f64>,
+    /// Splits tetrahedra with a smaller dihedral angle, in degrees, at most 12; 0 leaves them
+    #[arg(long, value_name = "D", default_value_t = 8.0, allow_negative_numbers = true)]
+    pub(crate) min_dihedral: f64,
     /// Largest volume of a tetrahedron
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub(crate) max_volume: Option<f64>,

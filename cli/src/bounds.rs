@@ -14,6 +14,8 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Asked {
     pub(crate) radius_edge: Option<f64>,
+    /// Degrees; 0 for none.
+    pub(crate) min_dihedral: f64,
     pub(crate) max_volume: Option<f64>,
     /// An edge length for all places.
     pub(crate) size: Option<f64>,
@@ -26,6 +28,7 @@ impl Asked {
             Some(bound) => Refiner::new().radius_edge(bound),
             None => Refiner::new().any_shape(),
         };
+        let refiner = refiner.min_dihedral(self.min_dihedral);
         match self.max_volume {
             Some(bound) => refiner.max_volume(bound),
             None => refiner,
@@ -100,9 +103,15 @@ fn refused(letter: char) -> &'static str {
 pub(crate) fn asked(args: &MeshArgs) -> Result<Asked, Failure> {
     let Some(switches) = &args.tetgen_switches else {
         let radius_edge = args.radius_edge.or(Some(2.0));
-        return Ok(Asked { radius_edge, max_volume: args.max_volume, size: args.size });
+        return Ok(Asked {
+            radius_edge,
+            min_dihedral: args.min_dihedral,
+            max_volume: args.max_volume,
+            size: args.size,
+        });
     };
     let (asked, over) = switched(switches, args.size)?;
+    let asked = Asked { min_dihedral: args.min_dihedral, ..asked };
     for (letter, why) in over {
         console::people(&format!("note: --tetgen-switches: `{letter}` is passed over: {why}"));
     }
@@ -156,6 +165,7 @@ pub(crate) fn binding(
     let preparation = &args.preparation;
     let options = Chosen::default()
         .number("radius_edge", asked.radius_edge)
+        .number("min_dihedral", Some(asked.min_dihedral))
         .number("max_volume", asked.max_volume)
         .number("size", asked.size)
         .with("max_points", args.max_points)
@@ -188,7 +198,7 @@ mod tests {
 
     #[test]
     fn bounds_come_from_options_or_from_tetgens_switches() {
-        let both = |q, a| Asked { radius_edge: q, max_volume: a, size: None };
+        let both = |q, a| Asked { radius_edge: q, min_dihedral: 8.0, max_volume: a, size: None };
         assert_eq!(asked_by(&[]).expect("bounds"), both(Some(2.0), None));
         let cases = [
             ("pq1.4a0.1", both(Some(1.4), Some(0.1))),

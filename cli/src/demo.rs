@@ -16,9 +16,10 @@ use ltbw_generate::{DomainKind, Shape, generate_domain};
 use std::path::Path;
 use std::time::Instant;
 
-/// The paper's bound, for some 106,000 tetrahedra.
+/// The paper's bound, for some 105,000 tetrahedra.
 const MAX_VOLUME: f64 = 1.73783e-5;
 const RADIUS_EDGE: f64 = 2.0;
+const MIN_DIHEDRAL: f64 = 8.0;
 
 /// `ltbw demo`.
 pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
@@ -40,6 +41,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
     let options = Chosen::default()
         .with("domain", Some(DomainKind::CubeOctahedron.name()))
         .number("radius_edge", Some(RADIUS_EDGE))
+        .number("min_dihedral", Some(MIN_DIHEDRAL))
         .number("max_volume", Some(MAX_VOLUME));
     let outputs = Outputs { whole: vec![args.out.clone()], ..Outputs::default() };
     let task = Task {
@@ -56,7 +58,12 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
     };
     let job = Job {
         task,
-        asked: Asked { radius_edge: Some(RADIUS_EDGE), max_volume: Some(MAX_VOLUME), size: None },
+        asked: Asked {
+            radius_edge: Some(RADIUS_EDGE),
+            min_dihedral: MIN_DIHEDRAL,
+            max_volume: Some(MAX_VOLUME),
+            size: None,
+        },
         field: None,
         crew: None,
         max_points: None,

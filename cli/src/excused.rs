@@ -3,7 +3,7 @@
 use crate::remedy::{remedies, rounded_up, vertices};
 use ltbw::Point;
 use ltbw::domain::Prepared;
-use ltbw::refine::{Excused, ExcusedShare, Reason, Refined};
+use ltbw::refine::{Excused, ExcusedShare, Reason, Refined, Sliver};
 use serde_json::{Value, json};
 
 /// Corners and segments that the report lists.
@@ -45,6 +45,48 @@ pub(crate) fn json(refined: &Refined) -> Value {
         "share_of_tets": share.tets,
         "by_reason": all.iter().take(LISTED).map(each).collect::<Vec<_>>(),
     })
+}
+
+/// The slivers that are left, for the report.
+pub(crate) fn slivers_json(refined: &Refined) -> Value {
+    let each = |own: &Sliver| {
+        json!({
+            "angle": own.angle,
+            "at": refined.centroid(own.tet),
+            "near": own.near.map(|reason| reason.to_string()),
+        })
+    };
+    json!({
+        "below": refined.stats.min_dihedral,
+        "tets": refined.slivers.len(),
+        "flattest": flattest(refined).into_iter().take(LISTED).map(each).collect::<Vec<_>>(),
+    })
+}
+
+/// The slivers that are left, the flattest first.
+fn flattest(refined: &Refined) -> Vec<&Sliver> {
+    let mut all: Vec<&Sliver> = refined.slivers.iter().collect();
+    all.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+    all
+}
+
+/// The slivers that are left, for people: their number, and where the flattest is; `None` of none.
+pub(crate) fn slivers_text(refined: &Refined, ready: &Prepared) -> Option<String> {
+    let all = flattest(refined);
+    let first = all.first()?;
+    let forced = all.iter().filter(|own| own.near.is_some()).count();
+    let forced = match forced {
+        0 => String::new(),
+        _ => format!(", {forced} of them at small angles of the domain"),
+    };
+    let near = first.near.map_or(String::new(), |reason| format!(": {reason}"));
+    Some(format!(
+        "{} tetrahedra have a dihedral angle below {} degrees{forced}; the least is {} near {}{near}",
+        all.len(),
+        refined.stats.min_dihedral,
+        short(first.angle, 3),
+        told(ready, refined.centroid(first.tet))
+    ))
 }
 
 /// The excused for people: how many where, the first reasons with their places, and what would help
@@ -93,18 +135,20 @@ pub(crate) fn text(
 /// The place of excused tetrahedra, in the coordinates of the input: that of the corners that are
 /// the reason, else that of the largest of them.
 fn place(ready: &Prepared, excused: &Excused) -> String {
-    let offset = ready.lattice.offset();
-    let told = |p: Point| {
-        let [x, y, z] = [0, 1, 2].map(|k| short(p[k] + offset[k], 6));
-        format!("({x}, {y}, {z})")
-    };
     let corners = vertices(&excused.reason);
     let corners = corners.iter().filter_map(|&v| ready.domain.vertices.get(v as usize));
-    let corners: Vec<String> = corners.map(|p| told(*p)).collect();
+    let corners: Vec<String> = corners.map(|p| told(ready, *p)).collect();
     match corners.is_empty() {
-        true => format!(" near {}", told(excused.at)),
+        true => format!(" near {}", told(ready, excused.at)),
         false => format!(" at {}", corners.join(" ")),
     }
+}
+
+/// A place in the coordinates of the input.
+fn told(ready: &Prepared, p: Point) -> String {
+    let offset = ready.lattice.offset();
+    let [x, y, z] = [0, 1, 2].map(|k| short(p[k] + offset[k], 6));
+    format!("({x}, {y}, {z})")
 }
 
 /// A number with the given number of digits, at least one.

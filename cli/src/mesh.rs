@@ -261,8 +261,14 @@ fn refined(job: &Job<'_>, ready: &Prepared) -> Result<Option<(Refined, Made)>, F
 
 /// Tells in a last line what is over a bound, if anything is.
 fn ending(job: &Job<'_>, refined: &Refined, ready: &Prepared) -> Exit {
-    let is_little = refined.excused_share().is_within(job.excused_share);
+    let share = refined.excused_share();
+    let is_little = share.is_within(job.excused_share);
+    if let Some(text) = excused::slivers_text(refined, ready) {
+        let word = if share.flat > 0 { "ltbw: flat" } else { "note" };
+        console::people(&format!("{word}: {text}"));
+    }
     let (exit, word) = match refined.outcome {
+        RefineOutcome::Met if share.flat > 0 => return Exit::Defect,
         RefineOutcome::Met => return Exit::Done,
         RefineOutcome::Excused if is_little => (Exit::Done, "excused, and little enough"),
         RefineOutcome::Excused | RefineOutcome::Unrecovered => (Exit::Defect, "excused"),
@@ -371,6 +377,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
         "segment_points": stats.segment_points,
         "facet_points": stats.facet_points,
         "free_points": stats.free_points,
+        "slivers": excused::slivers_json(refined),
         "rounds": rounds::json(stats),
         "excused": refined.excuses.len(),
         "excused_at": excused::json(refined),

@@ -90,6 +90,10 @@ pub struct Wishes {
     /// whose certificate does not say `failed`, at most 0.05. 0: 0.01, as the program does; below
     /// 0: none.
     pub excused_share: f64,
+    /// Tetrahedra with a dihedral angle of less than so many degrees are split where a point serves,
+    /// at most 12. 0: 8, as the program does; below 0: none is. Nothing is done without a bound on
+    /// `radius_edge`.
+    pub min_dihedral: f64,
 }
 
 /// The values at a pointer, which are not looked at. Null is refused, and so are more values than
@@ -260,6 +264,8 @@ impl Wishes {
                 unchecked: given.unchecked != 0,
                 excused_share: positive(given.excused_share)
                     .map(|share| if share < 0.0 { 0.0 } else { share }),
+                min_dihedral: positive(given.min_dihedral)
+                    .map(|degrees| if degrees < 0.0 { 0.0 } else { degrees }),
             },
             edge_length,
             size: given.size,

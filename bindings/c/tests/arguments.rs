@@ -31,6 +31,7 @@ const NOTHING: Wishes = Wishes {
     exact_input: 0,
     frame: 0,
     excused_share: 0.0,
+    min_dihedral: 0.0,
 };
 
 /// The number of tetrahedra, or the code of the failure.

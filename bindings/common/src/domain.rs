@@ -129,6 +129,10 @@ impl Ready {
             Some(bound) => Refiner::new().radius_edge(bound),
             None => Refiner::new().any_shape(),
         };
+        let refiner = match wishes.min_dihedral {
+            Some(degrees) => refiner.min_dihedral(degrees),
+            None => refiner,
+        };
         let refiner = refiner.flat_tolerance(self.flat_tolerance);
         let mut refiner = refiner.observer(observer).cancel(cancel);
         if let Some(bound) = wishes.max_volume {

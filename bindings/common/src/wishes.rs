@@ -9,6 +9,9 @@ pub struct Wishes {
     pub max_volume: Option<f64>,
     /// The largest circumradius to shortest edge.
     pub radius_edge: Option<f64>,
+    /// The degrees below which a dihedral angle is split, at most 12; 0: none is. `None`: what is
+    /// usual, as the program does.
+    pub min_dihedral: Option<f64>,
     /// The most points to insert.
     pub max_points: Option<u64>,
     /// The rule that says what is void.

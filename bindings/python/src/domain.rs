@@ -51,6 +51,7 @@ pub(crate) enum Void {
 pub(crate) struct Asked {
     max_volume: Option<f64>,
     radius_edge: Option<f64>,
+    min_dihedral: Option<f64>,
     size: Option<Size>,
     max_points: Option<u64>,
     holes: Option<Void>,
@@ -75,6 +76,7 @@ impl Asked {
         Wishes {
             max_volume: self.max_volume,
             radius_edge: self.radius_edge,
+            min_dihedral: self.min_dihedral,
             max_points: self.max_points,
             holes: match &self.holes {
                 None => Holes::Given,

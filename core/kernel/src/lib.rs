@@ -84,7 +84,7 @@ pub use mesh::{Duplicate, InsertError, Inserted, Mesh, Vertex};
 pub use random::Random;
 pub use snapshot::{Snapshot, SnapshotError};
 #[doc(hidden)]
-pub use sphere::simd::{FourCorners, TINY_SINE, test_bounds};
+pub use sphere::simd::{FourCorners, test_bounds};
 pub use sync::CancelToken;
 pub use tetmesh::{BoundaryFace, TetMesh};
 

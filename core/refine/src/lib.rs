@@ -57,7 +57,7 @@ pub use complex::carrier::Carrier;
 pub use mesh::bounds::SizeField;
 pub use mesh::item::Item;
 pub use mesh::region::RegionInfo;
-pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats, Spot};
+pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats, Sliver, Spot};
 pub use output::excuse::Excused;
 pub use output::refined::Refined;
 pub use output::share::{ExcusedShare, Verdict};

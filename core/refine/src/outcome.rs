@@ -145,6 +145,17 @@ pub struct Excuse {
     pub reason: Reason,
 }
 
+/// A tetrahedron of the domain with a dihedral angle below the bound that no point divides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sliver {
+    /// The tetrahedron, by its id in [`crate::Refined::mesh`].
+    pub tet: TetId,
+    /// Its smallest dihedral angle in degrees, rounded.
+    pub angle: f64,
+    /// A small angle of the domain at one of its corners, which asks for such.
+    pub near: Option<Reason>,
+}
+
 /// The outcome of a refinement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RefineOutcome {
@@ -193,6 +204,8 @@ pub struct RefineStats {
     pub round_threads: usize,
     /// Phases in which items that wait for each other in a circle were split jointly.
     pub joint_phases: u64,
+    /// The degrees below which dihedral angles make slivers; 0 if none do.
+    pub min_dihedral: f64,
     /// The distance within which facets were taken for coplanar: as asked for, or 0.
     pub flat_tolerance: f64,
     /// Sets of facets that are coplanar within it, but not exactly.

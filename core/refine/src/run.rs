@@ -10,6 +10,7 @@ pub use delegated::{Asked, Delegated, Handed, Parted};
 
 use crate::RefineError;
 use crate::complex::carrier::{Carrier, UNIT};
+use crate::complex::dihedral::DihedralBound;
 use crate::complex::measure::{RatioBound, VolumeBound};
 use crate::complex::patch::{DISSOLVED, Unfound};
 use crate::complex::plc::Plc;
@@ -39,6 +40,9 @@ const START: usize = 4096;
 /// The vertices from which on rounds begin with patches, which one thread looks at twice a round.
 const START_WITH_PATCHES: usize = 32_768;
 
+/// Degrees below which a dihedral angle makes a sliver, if nothing else was asked for.
+const MIN_DIHEDRAL: f64 = 8.0;
+
 /// Features nearer to each other than this many floors are not refined towards each other.
 const NEAR: f64 = 16.0;
 
@@ -60,6 +64,7 @@ const NEAR: f64 = 16.0;
 #[derive(Clone, Copy)]
 pub struct Refiner<'a> {
     radius_edge: Option<f64>,
+    min_dihedral: f64,
     max_volume: Option<f64>,
     field: Option<&'a SizeField<'a>>,
     floor: Option<f64>,
@@ -77,6 +82,7 @@ impl std::fmt::Debug for Refiner<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Refiner")
             .field("radius_edge", &self.radius_edge)
+            .field("min_dihedral", &self.min_dihedral)
             .field("max_volume", &self.max_volume)
             .field("field", &self.field.is_some())
             .field("floor", &self.floor)
@@ -90,6 +96,7 @@ impl Default for Refiner<'_> {
     fn default() -> Self {
         Self {
             radius_edge: Some(2.0),
+            min_dihedral: MIN_DIHEDRAL,
             max_volume: None,
             field: None,
             floor: None,
@@ -120,6 +127,14 @@ impl<'a> Refiner<'a> {
     /// Leaves circumradius to shortest edge unbounded.
     pub fn any_shape(mut self) -> Self {
         self.radius_edge = None;
+        self
+    }
+
+    /// Splits tetrahedra with a dihedral angle of less than so many degrees, at most 12, when all
+    /// other bounds are met, as far as points are found that leave none such and break no bound; 0
+    /// leaves them. By default 8. Nothing is done without a bound of shape.
+    pub fn min_dihedral(mut self, degrees: f64) -> Self {
+        self.min_dihedral = degrees;
         self
     }
 
@@ -250,7 +265,7 @@ impl<'a> Refiner<'a> {
         domain: &Domain,
         lattice: &Lattice,
     ) -> Result<(Run<'a>, Vec<RegionInfo>), RefineError> {
-        check_limits(self.radius_edge, self.max_volume, lattice)?;
+        check_limits(self.radius_edge, self.min_dihedral, self.max_volume, lattice)?;
         let tolerance = self.flat_tolerance.unwrap_or(0.0);
         check_tolerance(tolerance, domain)?;
         let clock = Instant::now();
@@ -318,7 +333,11 @@ impl<'a> Refiner<'a> {
             refiner: *self,
             refinement: Refinement::new(state, next_number, ends),
             work: Queues::default(),
-            stats: RefineStats { flat_tolerance: tolerance, ..stats },
+            stats: RefineStats {
+                min_dihedral: self.dihedral().map_or(0.0, |_| self.min_dihedral),
+                flat_tolerance: tolerance,
+                ..stats
+            },
             steps: 0,
             most,
             stop: None,
@@ -356,6 +375,12 @@ impl<'a> Refiner<'a> {
         Ok(Ok((run, regions)))
     }
 
+    /// The bound on dihedral angles: none without a bound of shape.
+    fn dihedral(&self) -> Option<DihedralBound> {
+        let is_asked = self.radius_edge.is_some() && self.min_dihedral > 0.0;
+        is_asked.then(|| DihedralBound::new(self.min_dihedral))
+    }
+
     fn bounds(&self, regions: &[RegionInfo], lattice: &Lattice) -> Bounds<'a> {
         let step = lattice.fine_step();
         let volume = |region: &RegionInfo| {
@@ -369,6 +394,7 @@ impl<'a> Refiner<'a> {
         };
         Bounds {
             ratio: self.radius_edge.map(RatioBound::new),
+            dihedral: self.dihedral(),
             volumes: regions.iter().map(volume).collect(),
             field: self.field,
             fine_step: step,

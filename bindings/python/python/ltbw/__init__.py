@@ -89,6 +89,7 @@ def tetrahedralize(
     *,
     max_volume=None,
     radius_edge=2.0,
+    min_dihedral=8.0,
     size=None,
     regions=(),
     holes=None,
@@ -115,6 +116,9 @@ def tetrahedralize(
         The largest volume of a tetrahedron.
     radius_edge : float or None
         The largest ratio of circumradius to shortest edge, at least 1; None: any shape.
+    min_dihedral : float
+        Tetrahedra with a dihedral angle of less than so many degrees are split where a point serves,
+        at most 12; 0: none is. Nothing is done without ``radius_edge``.
     size : float, array or callable, optional
         Wanted edge length: one for all, one for each vertex of the surface, or ``size(p)`` for a
         place ``p = (x, y, z)``. A function is called from the calling thread only, has to give the
@@ -177,6 +181,7 @@ def tetrahedralize(
     """
     wishes = _input.wishes(
         **_input.bounds(max_volume, radius_edge, flat_tolerance),
+        min_dihedral=_input.number(min_dihedral, "min_dihedral", "min_dihedral.type"),
         size=_input.size(size),
         max_points=None
         if max_points is None

@@ -70,6 +70,7 @@ def tetrahedralize(
     *,
     max_volume: float | None = ...,
     radius_edge: float | None = ...,
+    min_dihedral: float = ...,
     size: float | ArrayLike | Callable[[tuple[float, float, float]], float] | None = ...,
     regions: Iterable[Region] = ...,
     holes: Literal["none", "auto"] | ArrayLike | None = ...,

@@ -229,6 +229,7 @@ def wishes(**given):
     usual = {
         "max_volume": None,
         "radius_edge": None,
+        "min_dihedral": None,
         "size": None,
         "max_points": None,
         "holes": None,

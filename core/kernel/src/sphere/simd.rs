@@ -64,26 +64,28 @@ pub(crate) fn filter_insphere(
 /// Corners of four tetrahedra: of each corner each coordinate, one number a tetrahedron.
 pub type FourCorners = [[[f64; 4]; 3]; 4];
 
-/// sin² of one degree, times 9/16 and a little more.
-pub const TINY_SINE: f64 = 0.000_172;
-
 /// Which of four positively oriented tetrahedra exceed a volume of their own, or a bound on
 /// circumradius to shortest edge, which exceed neither, and which, if there is such a bound, have
-/// D² l² > [`TINY_SINE`] L⁸, D being the determinant, l and L the shortest and the longest edge:
-/// three bit masks. What exceeds a bound is told by [`exceeds_volume_any`] and
+/// D² l² > `thick` L⁸, D being the determinant, l and L the shortest and the longest edge: three
+/// bit masks. What exceeds a bound is told by [`exceeds_volume_any`] and
 /// [`exceeds_radius_edge_any`], and an infinite volume is none. Nothing is said on a machine
 /// without AVX2.
 ///
 /// [`exceeds_volume_any`]: ltbw_exact::predicates::filter::exceeds_volume_any
 /// [`exceeds_radius_edge_any`]: ltbw_exact::predicates::filter::exceeds_radius_edge_any
 #[inline(always)]
-pub fn test_bounds(corners: &FourCorners, volumes: &[f64; 4], ratio: Option<f64>) -> [u32; 3] {
+pub fn test_bounds(
+    corners: &FourCorners,
+    volumes: &[f64; 4],
+    ratio: Option<f64>,
+    thick: f64,
+) -> [u32; 3] {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the machine has AVX2.
-        return unsafe { bounds::test_bounds(corners, volumes, ratio) };
+        return unsafe { bounds::test_bounds(corners, volumes, ratio, thick) };
     }
-    let _ = (corners, volumes, ratio);
+    let _ = (corners, volumes, ratio, thick);
     [0; 3]
 }
 

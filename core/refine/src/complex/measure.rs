@@ -4,7 +4,6 @@
 //!
 //! Coordinates are in fine steps: whole numbers of at most 2^53 in magnitude.
 
-use ltbw_core::TINY_SINE;
 use ltbw_domain::vector::{cross, dot, minus};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, filter};
@@ -246,40 +245,6 @@ impl Shape {
     }
 }
 
-/// cos² of one degree.
-const TINY: f64 = 0.999_695_413_509_547_9;
-
-/// Has a tetrahedron a dihedral angle below one degree, but for rounding? Either orientation.
-pub(crate) fn has_small_dihedral([p, q, r, s]: [&Point; 4]) -> bool {
-    let (a, b, c) = (minus(p, s), minus(q, s), minus(r, s));
-    let sides = [cross(&b, &c), cross(&c, &a), cross(&a, &b)];
-    let last = [0, 1, 2].map(|k| -(sides[0][k] + sides[1][k] + sides[2][k]));
-    let normals = [sides[0], sides[1], sides[2], last];
-    let squares = normals.map(|n| dot(&n, &n));
-    (1..4).any(|i| {
-        (0..i).any(|j| {
-            let product = dot(&normals[i], &normals[j]);
-            product < 0.0 && product * product > TINY * squares[i] * squares[j]
-        })
-    })
-}
-
-/// Are all dihedral angles of a tetrahedron above one degree, as a short test tells? Either
-/// orientation, and the corners in any order.
-///
-/// The sine of an angle between faces with areas A and B at an edge l is 3 V l / (2 A B); no area
-/// is more than √3/4 of the square of the longest edge L, so that it is at least 4/3 |D| l / L⁴,
-/// D being the determinant. Where that is enough, D is so large that its rounding does not matter.
-#[inline(always)]
-pub(crate) fn has_large_dihedrals([p, q, r, s]: [&Point; 4]) -> bool {
-    let (a, b, c) = (minus(p, s), minus(q, s), minus(r, s));
-    let edges = [a, b, c, minus(p, q), minus(q, r), minus(r, p)].map(|e| dot(&e, &e));
-    let (least, most) =
-        edges[1..].iter().fold((edges[0], edges[0]), |(x, y), &e| (x.min(e), y.max(e)));
-    let det = dot(&a, &cross(&b, &c));
-    det * det * least > TINY_SINE * (most * most) * (most * most)
-}
-
 /// The circumcentre of a triangle, rounded, with its squared radius.
 pub(crate) fn circumcircle(a: &Point, b: &Point, c: &Point) -> (Point, f64) {
     let (u, v) = (minus(b, a), minus(c, a));
@@ -296,15 +261,6 @@ mod tests {
     use super::*;
     use ltbw_exact::predicates::orient3d;
     use proptest::prelude::*;
-
-    /// Does the test of four at once say that all dihedral angles are large? Never on a machine
-    /// without AVX2.
-    fn are_large_in_lanes(corners: [&Point; 4]) -> bool {
-        let four = corners.map(|corner| corner.map(|c| [c; 4]));
-        let thick = ltbw_core::test_bounds(&four, &[f64::INFINITY; 4], Some(2.0))[2];
-        assert!([0, 15].contains(&thick), "the same in all lanes: {thick:b}");
-        thick == 15
-    }
 
     /// Few-bit and full-size whole coordinates.
     fn coordinate() -> impl Strategy<Value = f64> {
@@ -370,56 +326,6 @@ mod tests {
                 let exact = volume.exceeded_exactly(corners);
                 prop_assert_eq!(volume.exceeded(corners), exact);
             }
-        }
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(4000))]
-
-        #[test]
-        fn large_dihedral_angles_are_not_small(
-            a in point(), b in point(), c in point(), d in point(),
-        ) {
-            let corners = [&a, &b, &c, &d];
-            prop_assert!(!has_large_dihedrals(corners) || !has_small_dihedral(corners));
-            prop_assert!(!are_large_in_lanes(corners) || !has_small_dihedral(corners));
-        }
-
-        /// Four points near a square, folded by up to two degrees.
-        #[test]
-        fn folds_about_one_degree_are_looked_at(
-            width in 0.2f64..1.0,
-            height in 0.2f64..1.0,
-            fold in 0.0f64..0.035,
-            shift in -0.3f64..0.3,
-        ) {
-            let size = (1u64 << 50) as f64;
-            let at = |p: Point| p.map(|c| (c * size).round());
-            let (sin, cos) = fold.sin_cos();
-            let corners = [
-                at([0.0, 0.0, 0.0]),
-                at([1.0, 0.0, 0.0]),
-                at([0.5 + shift, width, 0.0]),
-                at([0.5, -height * cos, height * sin]),
-            ];
-            let corners = corners.each_ref();
-            prop_assert!(fold > 0.0087 || has_small_dihedral(corners));
-            prop_assert!(!(has_small_dihedral(corners) && has_large_dihedrals(corners)));
-            prop_assert!(!(has_small_dihedral(corners) && are_large_in_lanes(corners)));
-        }
-    }
-
-    #[test]
-    fn regular_tetrahedra_have_large_dihedral_angles() {
-        let corners = [[0.0, 0.0, 0.0], [2.0, 2.0, 0.0], [2.0, 0.0, 2.0], [0.0, 2.0, 2.0]];
-        assert!(has_large_dihedrals(corners.each_ref()));
-        // The corner of a cube: 54.7 degrees.
-        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        assert!(has_large_dihedrals(corners.each_ref()));
-        #[cfg(target_arch = "x86_64")]
-        match is_x86_feature_detected!("avx2") {
-            true => assert!(are_large_in_lanes(corners.each_ref())),
-            false => println!("SKIPPED: no AVX2 on this machine"),
         }
     }
 

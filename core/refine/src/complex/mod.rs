@@ -5,6 +5,7 @@
 //! | `plc` | corners, segments, facets as maximal coplanar groups |
 //! | `flat`, `patch` | polygons coplanar within a tolerance, and their projection |
 //! | `carrier` | points of segments and facets, with whole parameters |
+//! | `dihedral` | bounds on dihedral angles |
 //! | `measure` | closed balls and bounds: filters and exact integers |
 //! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
 //! | `parts`, `ring` | the parts of a facet; rings of corners |
@@ -13,6 +14,7 @@
 pub(crate) mod angles;
 pub(crate) mod background;
 pub(crate) mod carrier;
+pub(crate) mod dihedral;
 pub(crate) mod flat;
 pub(crate) mod measure;
 pub(crate) mod near;

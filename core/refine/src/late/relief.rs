@@ -18,20 +18,22 @@
 //! in the ball and below the fold divides them, but lies in the balls of these triangles.
 
 use super::sliver::in_unit_ball;
-use crate::complex::carrier::{Carrier, Line, free_point};
-use crate::complex::measure::{Shape, circumcircle, has_small_dihedral};
+use super::star::Made;
+use crate::complex::carrier::{Carrier, free_point};
+use crate::complex::dihedral::{DihedralBound, TINY};
+use crate::complex::measure::Shape;
 use crate::mesh::bounds::Bounds;
 use crate::mesh::item::{Item, Queues};
 use crate::mesh::key::sorted;
-use crate::mesh::state::{FACE, Place, State};
+use crate::mesh::state::{Place, State};
 use crate::queue::split::Refinement;
 use crate::rules::aim::TOLERANCE;
-use crate::rules::bounded::Bounded;
+use crate::rules::bounded::InMesh;
 use crate::rules::record::Refusal;
-use crate::rules::verdict::{Filling, Judge};
+use crate::rules::verdict::Judge;
 use crate::rules::walk::Way;
-use crate::table::{Set, edge};
-use ltbw_core::topology::{TetId, VertexId, tet_of};
+use crate::table::Set;
+use ltbw_core::topology::{TetId, VertexId};
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
 
@@ -200,7 +202,7 @@ impl Refinement<'_> {
         }
         for item in self.state.beside(t, &centre, tolerance) {
             for k in 0..BESIDE {
-                let place = self.state.place_beside(item, k, &mut seed, &target);
+                let place = self.state.place_beside(item, k, &mut seed, t, tolerance);
                 let Some(place) = place else { continue };
                 if self.try_relief(&target, Some(item), &place, left) {
                     return true;
@@ -223,12 +225,19 @@ impl Refinement<'_> {
         let Ok(mut open) = self.state.begin(place) else { return false };
         let opened = open.owner().mesh.cavity().tets().count();
         *left = left.saturating_sub(opened);
-        if !open.owner().relieves(target, place, bounds) {
-            return false;
-        }
+        let Some(before) = open.owner().relieves(target, place, bounds) else { return false };
         open.owner_mut().look(place);
         let judge = Judge::on_open(open.owner(), &self.record);
-        let Some(filling) = judge.filling_beside(item, place, target) else { return false };
+        let may = |hit: &Item| target.may_encroach || self.record.refused.contains_key(hit);
+        let Some(filling) = judge.filling_beside(item, place, may) else { return false };
+        if target.goal == Goal::Angles {
+            // Now it is known what dust the point makes, too.
+            let closure = InMesh::open(open.owner());
+            let after = Tally::of(closure.star(place, &filling.changes), bounds);
+            if !after.is_better(&before, target.goal) {
+                return false;
+            }
+        }
         let mut refusal = target.refusal;
         if refusal.reason.is_vague() {
             // A reason that has a place, of what was over its bounds there before, says more.
@@ -249,7 +258,7 @@ impl Refinement<'_> {
     }
 }
 
-/// Numbers of tetrahedra: over their bounds, and with tiny dihedral angles.
+/// Numbers of tetrahedra: over their bounds, and with small dihedral angles.
 #[derive(Default)]
 struct Tally {
     over: usize,
@@ -257,6 +266,17 @@ struct Tally {
 }
 
 impl Tally {
+    /// Those of a star.
+    fn of(star: impl Iterator<Item = Made>, bounds: &Bounds<'_>) -> Self {
+        let mut all = Self::default();
+        for Made { corners, region } in star {
+            let is_thin = |own: DihedralBound| own.is_missed(sorted(corners).each_ref());
+            all.over += usize::from(bounds.are_over(corners.each_ref(), region));
+            all.thin += usize::from(bounds.dihedral.is_some_and(is_thin));
+        }
+        all
+    }
+
     /// Is this less than `before`?
     fn is_better(&self, before: &Self, goal: Goal) -> bool {
         match goal {
@@ -283,89 +303,22 @@ fn towards(corners: &[Point; 4], centre: &Point, bound: f64) -> [Point; WAY.len(
 }
 
 impl State {
-    /// The boundary items beside a tetrahedron: its sides, the subface on its way to `centre`, and
-    /// the subsegments of all these.
-    fn beside(&self, t: TetId, centre: &Point, tolerance: f64) -> Vec<Item> {
-        let mut faces = self.boundary_sides(t);
-        if let Some(p) = free_point(centre, tolerance)
-            && let Way::Blocked(subface) = self.way(t, &p)
-        {
-            faces.push(Item::Subface(subface));
-        }
-        self.sort(&mut faces);
-        faces.dedup();
-        let mut edges: Vec<[VertexId; 2]> = Vec::new();
-        let mut add = |corners: &[VertexId]| {
-            let pairs = (1..corners.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-            edges.extend(pairs.map(|(i, j)| edge(corners[i], corners[j])));
-        };
-        add(&self.vertices(t));
-        for face in &faces {
-            if let Item::Subface(corners) = face {
-                add(corners);
-            }
-        }
-        edges.retain(|e| self.segments.contains_key(e));
-        let mut segments: Vec<Item> = edges.into_iter().map(Item::Segment).collect();
-        self.sort(&mut segments);
-        segments.dedup();
-        faces.extend(segments);
-        faces
-    }
-
-    /// The `k`-th place that is tried on a boundary item: where it would be split, then anywhere.
-    fn place_beside(&self, item: Item, k: usize, seed: &mut u64, target: &Target) -> Option<Place> {
-        let offset = in_unit_ball(seed);
-        let from = target.t;
-        match item {
-            Item::Segment(ends) => {
-                let &s = self.segments.get(&ends)?;
-                let [a, b] = ends.map(|v| self.parameter(v, s));
-                let (low, high) = (a.min(b), a.max(b));
-                let length = (high - low) as f64;
-                let t = match k {
-                    0 => self.plc.split_parameter(ends.map(|v| self.carriers[v.index()]), s)?,
-                    _ => {
-                        let aim = low as f64 + (0.5 + 0.45 * offset[0]) * length;
-                        Line::near(aim, length / 512.0, low, high)?
-                    }
-                };
-                let p = self.plc.segments[s as usize].line.point(t);
-                Some(Place { p, carrier: Carrier::Segment(s, t), from })
-            }
-            Item::Subface(corners) => {
-                let &f = self.subfaces.get(&corners)?;
-                let [a, b, c] = &sorted(corners.map(|v| self.at(v)));
-                let aim = match k {
-                    0 => circumcircle(a, b, c).0,
-                    _ => {
-                        let parts = offset.map(|x| 0.5 * x + 0.501);
-                        let sum: f64 = parts.iter().sum();
-                        let [x, y, z] = parts.map(|part| part / sum);
-                        [0, 1, 2].map(|k| x * a[k] + y * b[k] + z * c[k])
-                    }
-                };
-                let (p, is_on) = self.plc.place_on(f, &aim, target.radius * TOLERANCE)?;
-                is_on.then_some(Place { p, carrier: Carrier::Facet(f), from })
-            }
-            Item::Tet(..) => None,
-        }
-    }
-}
-
-impl State {
-    /// Has the open cavity the target, and makes the point fewer of what the target asks for? For
-    /// the sake of bounds those over their bounds count, and once more those with tiny angles of
-    /// these before, of all afterwards. And is none of the point's far worse?
-    fn relieves(&self, target: &Target, place: &Place, bounds: &Bounds<'_>) -> bool {
+    /// What is in the open cavity of what the target asks for, if it has the target, and the point
+    /// makes fewer, none of which is far worse. For the sake of bounds those over their bounds
+    /// count, and once more those with tiny angles of these before, of all afterwards.
+    fn relieves(&self, target: &Target, place: &Place, bounds: &Bounds<'_>) -> Option<Tally> {
         let state = self;
         let topology = state.mesh.topology();
         if !topology.at(target.t).is_marked() {
-            return false;
+            return None;
         }
         let inside = |t: &TetId| !topology.at(*t).is_ghost() && state.marks.region(*t) != 0;
         let tets = || state.mesh.cavity().tets().filter(inside);
-        let Some(ratio) = bounds.ratio else { return false };
+        let ratio = bounds.ratio?;
+        let thin = match target.goal {
+            Goal::Bounds => TINY,
+            Goal::Angles => bounds.dihedral?,
+        };
         let (mut before, mut worst) = (Tally::default(), WORST);
         for t in tets() {
             let is_over = bounds.is_over(state, t);
@@ -375,72 +328,29 @@ impl State {
             // Angles and ratios are rounded, in an order that is not that of the slots.
             let v = state.vertices(t);
             let [a, b, c, d] = sorted(v.map(|v| state.at(v)));
-            let is_thin = has_small_dihedral([&a, &b, &c, &d]) && !state.is_flat(v);
+            let counts = target.goal == Goal::Angles || !state.is_flat(v);
+            let is_thin = counts && thin.is_missed([&a, &b, &c, &d]);
             before.over += usize::from(is_over);
             before.thin += usize::from(is_thin);
             if is_over {
                 worst = worst.max(Shape::of([&a, &b, &c, &d]).ratio_over(&ratio));
             }
         }
-        let patches = state.plc.facets_of(&place.carrier);
         let mut after = Tally::default();
-        // Dust that a point inside takes is inside then, too.
-        let region = state.marks.region(target.t);
-        let is_free = place.carrier == Carrier::Free;
-        let solid = |t: &TetId| !topology.at(*t).is_ghost() && (is_free || inside(t));
-        for t in state.mesh.cavity().tets().filter(solid) {
-            let (v, n) = (state.vertices(t), topology.at(t).neighbours());
-            for slot in (0..4).filter(|&slot| !topology.at(tet_of(n[slot])).is_marked()) {
-                let face = FACE[slot].map(|k| v[k]);
-                let on = |f: u32| face.iter().all(|&v| state.lies_on(state.carriers[v.index()], f));
-                // Dust is never over a bound.
-                if patches.iter().any(|&f| state.is_patch(f) && on(f)) {
-                    continue;
-                }
-                let mut corners = v.map(|v| state.at(v));
-                corners[slot] = place.p;
-                let region = if inside(&t) { state.marks.region(t) } else { region };
-                let is_over = bounds.are_over(corners.each_ref(), region);
-                let by_place = sorted(corners);
-                after.thin += usize::from(has_small_dihedral(by_place.each_ref()));
-                if is_over {
-                    after.over += 1;
-                    if Shape::of(by_place.each_ref()).ratio_over(&ratio) > worst {
-                        return false;
-                    }
-                }
-                if !after.is_better(&before, target.goal) {
-                    return false;
+        for Made { corners, region } in InMesh::open(state).likely_star(target.t, place) {
+            let is_over = bounds.are_over(corners.each_ref(), region);
+            let by_place = sorted(corners);
+            after.thin += usize::from(thin.is_missed(by_place.each_ref()));
+            if is_over {
+                after.over += 1;
+                if Shape::of(by_place.each_ref()).ratio_over(&ratio) > worst {
+                    return None;
                 }
             }
+            if !after.is_better(&before, target.goal) {
+                return None;
+            }
         }
-        after.is_better(&before, target.goal)
-    }
-}
-
-impl Judge<'_> {
-    /// The changes of the boundary with a point on `item`, or inside, that takes no other item out
-    /// of the mesh.
-    fn filling_beside(
-        &self,
-        item: Option<Item>,
-        place: &Place,
-        target: &Target,
-    ) -> Option<Filling> {
-        let (mut changes, mut split) = (Vec::new(), None);
-        if let Some(item) = item {
-            split = match item {
-                Item::Segment(ends) => Some((ends, self.closure.segment(ends)?)),
-                Item::Subface(_) => None,
-                Item::Tet(..) => return None,
-            };
-            changes = self.planned(place, item)?;
-        }
-        let ends = split.map(|(ends, _)| ends);
-        let changes = self.with_patches(place, ends, changes)?;
-        let refused = |hit: &Item| Some(*hit) == item || self.record.refused.contains_key(hit);
-        let may = target.may_encroach || self.hits().iter().all(refused);
-        let is_kept = may && self.losses(ends, &changes).is_empty();
-        is_kept.then_some(Filling { split, changes, lost: Vec::new() })
+        after.is_better(&before, target.goal).then_some(before)
     }
 }

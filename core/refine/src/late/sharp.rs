@@ -113,7 +113,7 @@ impl State {
     }
 
     /// The corner at which a tetrahedron is on a tip for this bound on its shape.
-    fn tip(&self, v: [VertexId; 4], bound: f64) -> Option<Reason> {
+    pub(crate) fn tip(&self, v: [VertexId; 4], bound: f64) -> Option<Reason> {
         (0..4).find_map(|k| {
             let Carrier::Corner(corner) = self.carriers[v[k].index()] else { return None };
             let reason = Reason::SmallFaceAngle { corner };

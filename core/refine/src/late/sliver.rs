@@ -1,41 +1,51 @@
-//! Slivers: tetrahedra with tiny dihedral angles, which bounds on their shape allow.
+//! Slivers: tetrahedra with small dihedral angles, which bounds on their shape allow.
 //!
 //! When all bounds are met, a point is looked for whose cavity has the sliver and whose own
-//! tetrahedra meet the bound and have no such angle. So no sliver follows from another, and the
-//! number of tries is bounded. Where none serves the sliver stays.
+//! tetrahedra meet the bounds and have no such angle: inside, near the circumcentre, or on the
+//! boundary beside it. So no sliver follows from another, and the number of tries is bounded. Where
+//! none serves the sliver stays.
 
-use crate::complex::measure::{RatioBound, has_large_dihedrals, has_small_dihedral};
+use super::star::Made;
+use crate::complex::carrier::{Carrier, free_point};
+use crate::complex::dihedral::sharpest;
+use crate::complex::measure::Shape;
+use crate::mesh::bounds::Bounds;
+use crate::mesh::facet::Change;
 use crate::mesh::item::Item;
 use crate::mesh::key::sorted;
-use crate::mesh::state::State;
+use crate::mesh::number::in_order;
+use crate::mesh::state::{Place, State};
+use crate::outcome::{Reason, Sliver};
 use crate::queue::split::Refinement;
-use crate::rules::bounded::Bounded;
+use crate::rules::aim::TOLERANCE;
 use crate::rules::verdict::Judge;
-use crate::rules::way::FACES;
+use crate::rules::walk::Way;
 use crate::thin::Thin;
-use ltbw_core::topology::{INFINITE, TetId};
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_domain::quality::TetQuality;
 use ltbw_exact::Point;
 
-/// Points tried for a sliver.
-pub(crate) const TRIES: u32 = 32;
-
-/// They are within this part of the circumradius of the circumcentre.
-pub(crate) const REACH: f64 = 0.75;
+/// Points inside that are tried for a sliver, within a part of the circumradius of the
+/// circumcentre: fewer of a small part, then more of a larger one.
+pub(crate) const REGIONS: [(u32, f64); 2] = [(16, 0.5), (32, 0.9)];
 
 impl Refinement<'_> {
-    /// The slivers in the order of their coordinates; none without a bound of shape.
+    /// The slivers that a point may serve, in the order of their coordinates: none in a collar, or on
+    /// a tip, where the domain asks for small angles.
     pub(crate) fn slivers(&mut self) -> Vec<Thin> {
         let (state, thin) = (&self.state, &mut self.inserted.thin.tets);
-        if self.bounds.as_ref().is_none_or(|bounds| bounds.ratio.is_none()) {
+        let Some(bounds) = &self.bounds else { return Vec::new() };
+        if bounds.dihedral.is_none() {
             return Vec::new();
         }
         thin.retain(|&(t, v)| state.is_live(t, v));
-        let mut slivers: Vec<Thin> =
-            thin.iter().copied().filter(|&(t, _)| state.is_sliver(t)).collect();
+        let is_open = |t: TetId, v| state.is_sliver(t, bounds) && state.forced(v, bounds).is_none();
+        let mut slivers: Vec<Thin> = thin.iter().copied().filter(|&(t, v)| is_open(t, v)).collect();
         slivers.sort_by_cached_key(|&(t, v)| state.place_of(Item::Tet(t, v)));
         slivers.dedup();
         debug_assert!(
-            state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).count() == slivers.len(),
+            state.mesh.tet_ids().filter(|&t| is_open(t, state.vertices(t))).count()
+                == slivers.len(),
             "all slivers are in the list"
         );
         slivers
@@ -43,34 +53,78 @@ impl Refinement<'_> {
 }
 
 impl Judge<'_> {
-    /// Would the tetrahedra of the point meet the bound, without tiny angles?
-    pub(crate) fn makes_no_sliver(&self, p: &Point, ratio: &RatioBound) -> bool {
-        let state = self.closure.state;
-        self.closure.walls().all(|(t, slot)| {
-            let face = FACES[slot].map(|k| state.vertices(t)[k]);
-            if face.contains(&INFINITE) {
-                return false;
+    /// The sharpest angle among the tetrahedra that a point makes with these changes, as the square
+    /// of its cosine; `None` if one is a sliver or over its bounds.
+    pub(crate) fn sharpest_of_star(
+        &self,
+        place: &Place,
+        changes: &[Change],
+        bounds: &Bounds<'_>,
+    ) -> Option<f64> {
+        let dihedral = bounds.dihedral?;
+        let mut most = 0.0f64;
+        for Made { corners, region } in self.closure.star(place, changes) {
+            let own = sharpest(sorted(corners).each_ref());
+            if dihedral.is_sharper(own) || bounds.are_over(corners.each_ref(), region) {
+                return None;
             }
-            let [a, b, c] = face.map(|v| state.at(v));
-            // The angles are rounded, in an order that is the same for all orders of the face.
-            let [d, e, f] = &sorted([a, b, c]);
-            !has_small_dihedral([d, e, f, p]) && !ratio.exceeded([&a, &b, &c, p])
-        })
+            most = most.max(own);
+        }
+        Some(most)
     }
 }
 
 impl State {
-    /// Is a tetrahedron in a region, no dust, and has it a tiny dihedral angle?
-    pub(crate) fn is_sliver(&self, t: TetId) -> bool {
-        if self.marks.region(t) == 0 {
+    /// The slivers of a list that may have others, and has all, in the order of their numbers.
+    pub(crate) fn slivers_among(&self, thin: Vec<Thin>, bounds: &Bounds<'_>) -> Vec<Sliver> {
+        let is_left = |&(t, v): &Thin| self.is_live(t, v) && self.is_sliver(t, bounds);
+        let mut left: Vec<Thin> = thin.into_iter().filter(is_left).collect();
+        left.sort_by_cached_key(|&(t, _)| self.mesh.tet(t).map(in_order));
+        left.dedup();
+        let named = |v| Some(self.reason_near(v)).filter(|reason| *reason != Reason::Rounding);
+        let near = |v| self.forced(v, bounds).or_else(|| named(v));
+        let angle = |v: [VertexId; 4]| {
+            let own = TetQuality::of(sorted(v.map(|v| self.at(v))).each_ref());
+            own.dihedral.into_iter().fold(f64::INFINITY, f64::min)
+        };
+        let sliver = |(tet, v)| Sliver { tet, angle: angle(v), near: near(v) };
+        left.into_iter().map(sliver).collect()
+    }
+
+    /// The corner or segment of the domain that asks for a small angle here, if there is one.
+    fn forced(&self, v: [VertexId; 4], bounds: &Bounds<'_>) -> Option<Reason> {
+        let bound = bounds.ratio.filter(|_| !self.angles.is_empty())?.value();
+        self.tip(v, bound).or_else(|| self.collar(v, bound))
+    }
+
+    /// Is a tetrahedron in a region, and has it a dihedral angle below the bound?
+    pub(crate) fn is_sliver(&self, t: TetId, bounds: &Bounds<'_>) -> bool {
+        let Some(dihedral) = bounds.dihedral.filter(|_| self.marks.region(t) != 0) else {
             return false;
-        }
+        };
         let v = self.vertices(t);
         let corners = v.map(|v| self.at(v));
-        if has_large_dihedrals(corners.each_ref()) {
+        if dihedral.is_surely_met(corners.each_ref()) {
             return false;
         }
-        has_small_dihedral(sorted(corners).each_ref()) && !self.is_flat(v)
+        dihedral.is_missed(sorted(corners).each_ref())
+    }
+
+    /// The places inside that are tried for a sliver, in their order, each with the way there.
+    pub(crate) fn places_for(&self, t: TetId) -> impl Iterator<Item = Place> {
+        let corners = sorted(self.vertices(t).map(|v| self.at(v)));
+        let [a, b, c, d] = &corners;
+        let shape = Shape::of([a, b, c, d]);
+        let (radius, centre) = (shape.radius(), shape.circumcentre(d));
+        let mut seed = 1;
+        let all = REGIONS.into_iter().flat_map(|(tries, part)| (0..tries).map(move |_| part));
+        all.filter_map(move |part| {
+            let (offset, centre) = (in_unit_ball(&mut seed), centre?);
+            let target = [0, 1, 2].map(|k| centre[k] + part * radius * offset[k]);
+            let p = free_point(&target, radius * TOLERANCE)?;
+            let Way::Arrived(from) = self.way(t, &p) else { return None };
+            Some(Place { p, carrier: Carrier::Free, from })
+        })
     }
 }
 

@@ -4,7 +4,8 @@ use super::key::sorted;
 use super::limit::Limit;
 use super::state::State;
 use crate::RefineError;
-use crate::complex::measure::{RatioBound, Shape, VolumeBound, has_large_dihedrals};
+use crate::complex::dihedral::DihedralBound;
+use crate::complex::measure::{RatioBound, Shape, VolumeBound};
 use crate::thin::Thin;
 use ltbw_core::topology::{INFINITE, TetId};
 use ltbw_core::{FourCorners, test_bounds};
@@ -21,12 +22,20 @@ pub(crate) fn check_tolerance(value: f64, domain: &Domain) -> Result<(), RefineE
     Err(RefineError::Bound { name: "flat-tolerance", value, limit })
 }
 
+/// The largest bound on dihedral angles, in degrees.
+const MOST_DIHEDRAL: f64 = 12.0;
+
 /// Bounds that no mesh can meet are errors.
 pub(crate) fn check_limits(
     radius_edge: Option<f64>,
+    min_dihedral: f64,
     max_volume: Option<f64>,
     lattice: &Lattice,
 ) -> Result<(), RefineError> {
+    if !(0.0..=MOST_DIHEDRAL).contains(&min_dihedral) {
+        let limit = format!("it has to be between 0 (none) and {MOST_DIHEDRAL} degrees");
+        return Err(RefineError::Bound { name: "min-dihedral", value: min_dihedral, limit });
+    }
     if let Some(value) = radius_edge
         && !(1.0..=1e100).contains(&value)
     {
@@ -68,6 +77,8 @@ pub type SizeField<'a> = dyn Fn(Point) -> f64 + Sync + 'a;
 #[derive(Clone)]
 pub(crate) struct Bounds<'a> {
     pub(crate) ratio: Option<RatioBound>,
+    /// The angle below which a tetrahedron is a sliver; none without a bound of shape.
+    pub(crate) dihedral: Option<DihedralBound>,
     /// The bound of every region; that of the exterior is not used.
     pub(crate) volumes: Vec<Option<VolumeBound>>,
     pub(crate) field: Option<&'a SizeField<'a>>,
@@ -115,14 +126,15 @@ impl Bounds<'_> {
             }),
         };
         let ratio = self.ratio.map(|bound| bound.value());
-        let [mut over, within, thick] = test_bounds(&tets.corners, &volumes, ratio);
+        let limit = self.dihedral.map_or(0.0, |bound| bound.thick());
+        let [mut over, within, thick] = test_bounds(&tets.corners, &volumes, ratio, limit);
         let mut thin = 0;
         for k in 0..tets.count {
             if (over | within) >> k & 1 == 0 {
                 over |= u32::from(self.are_over(tets.corners(k).each_ref(), tets.regions[k])) << k;
             }
-            if thick >> k & 1 == 0 && ratio.is_some() {
-                thin |= u32::from(!has_large_dihedrals(tets.corners(k).each_ref())) << k;
+            if let Some(bound) = self.dihedral.filter(|_| thick >> k & 1 == 0) {
+                thin |= u32::from(!bound.is_surely_met(tets.corners(k).each_ref())) << k;
             }
         }
         (over & !(u32::MAX << tets.count), thin)

@@ -164,6 +164,13 @@ impl Refined {
         sum.value()
     }
 
+    /// The centroid of a tetrahedron, in the coordinates of the mesh.
+    pub fn centroid(&self, t: TetId) -> Point {
+        let corners = sorted(self.state.vertices(t).map(|v| self.state.at(v)));
+        let step = 0.25 * self.lattice.fine_step();
+        [0, 1, 2].map(|k| corners.iter().map(|p| p[k]).sum::<f64>() * step)
+    }
+
     /// The volume of a tetrahedron, rounded, with its vertices in an order that is always the same.
     pub(crate) fn volume_of(&self, t: TetId) -> f64 {
         let step = self.lattice.fine_step();

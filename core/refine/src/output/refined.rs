@@ -7,7 +7,7 @@ use crate::mesh::marks::face_bit;
 use crate::mesh::number::{from_smallest, in_order};
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::State;
-use crate::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
+use crate::outcome::{Excuse, Reason, RefineOutcome, RefineStats, Sliver};
 use crate::rounds::RoundTimes;
 use crate::table::triangle;
 use ltbw_core::cavity::OTHERS;
@@ -28,6 +28,10 @@ pub struct Refined {
     pub outcome: RefineOutcome,
     /// The tetrahedra over a bound; not looked for if the outcome is [`RefineOutcome::Cancelled`].
     pub excuses: Vec<Excuse>,
+    /// The slivers that are left: tetrahedra of the domain with a dihedral angle below
+    /// [`Refiner::min_dihedral`](crate::Refiner::min_dihedral) that no point divides without leaving
+    /// another one; not looked for if the outcome is [`RefineOutcome::Cancelled`].
+    pub slivers: Vec<Sliver>,
     /// Boundary items that are not in the mesh, each with the reason why it could not be split;
     /// none unless the outcome is [`RefineOutcome::Unrecovered`].
     pub lost: Vec<(Item, Reason)>,

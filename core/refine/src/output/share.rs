@@ -9,11 +9,15 @@ pub struct ExcusedShare {
     pub tets: f64,
     /// Of its volume, rounded.
     pub volume: f64,
+    /// Tetrahedra with a dihedral angle below [`ExcusedShare::FLAT`] among the slivers.
+    pub flat: usize,
 }
 
 impl ExcusedShare {
     /// The share up to which a mesh serves, where nobody says another.
     pub const USUAL: f64 = 0.01;
+    /// Degrees below which a dihedral angle makes a mesh useless, whatever is excused.
+    pub const FLAT: f64 = 0.1;
     /// The largest that may be asked for.
     pub const LARGEST: f64 = 0.05;
 
@@ -35,10 +39,10 @@ impl ExcusedShare {
         self.tets.max(self.volume)
     }
 
-    /// Are both at most `limit`?
+    /// Are both at most `limit`, and is no tetrahedron flat?
     #[must_use]
     pub fn is_within(&self, limit: f64) -> bool {
-        self.largest() <= limit
+        self.flat == 0 && self.largest() <= limit
     }
 }
 
@@ -49,7 +53,7 @@ pub enum Verdict {
     Passed,
     /// It is over its bounds only where that is excused, and there is little of it.
     Excused,
-    /// Something is wrong, or too much is excused.
+    /// Something is wrong, or too much is excused, or a tetrahedron is flat.
     Failed,
 }
 
@@ -59,7 +63,7 @@ impl Verdict {
     #[must_use]
     pub fn of(passed: bool, explained: bool, share: &ExcusedShare, limit: f64) -> Self {
         match (passed, explained) {
-            (true, _) => Self::Passed,
+            (true, _) if share.flat == 0 => Self::Passed,
             (_, true) if share.is_within(limit) => Self::Excused,
             _ => Self::Failed,
         }
@@ -80,13 +84,15 @@ impl Refined {
     /// The share of tetrahedra over a bound in the inside; 0 of none.
     #[must_use]
     pub fn excused_share(&self) -> ExcusedShare {
+        let flat = self.slivers.iter().filter(|own| own.angle < ExcusedShare::FLAT).count();
         if self.excuses.is_empty() {
-            return ExcusedShare::default();
+            return ExcusedShare { flat, ..ExcusedShare::default() };
         }
         let volume: f64 = self.excused().iter().map(|excused| excused.volume).sum();
         ExcusedShare {
             tets: self.excuses.len() as f64 / self.num_tets().max(1) as f64,
             volume: volume / self.volume(),
+            flat,
         }
     }
 }
@@ -108,13 +114,14 @@ mod tests {
 
     #[test]
     fn both_shares_have_to_be_small() {
-        let word =
-            |tets, volume| Verdict::of(false, true, &ExcusedShare { tets, volume }, 0.01).name();
+        let share = |tets, volume, flat| ExcusedShare { tets, volume, flat };
+        let word = |tets, volume| Verdict::of(false, true, &share(tets, volume, 0), 0.01).name();
         assert_eq!(word(0.01, 0.01), "excused");
         assert_eq!(word(0.011, 0.0), "failed");
         assert_eq!(word(0.0, 0.011), "failed");
         let none = ExcusedShare::default();
         assert_eq!(Verdict::of(true, true, &none, 0.0), Verdict::Passed);
+        assert_eq!(Verdict::of(true, true, &share(0.0, 0.0, 1), 0.05), Verdict::Failed);
         assert_eq!(Verdict::of(false, false, &none, 0.05), Verdict::Failed);
     }
 }

@@ -2,10 +2,10 @@
 //! again, relieved, and asked for shorter edges, and slivers are split. Each is a function of the
 //! mesh, and rounds go on wherever it leaves something to split.
 
-use super::sliver::Sliver;
 use super::{Class, Next, Rounds};
 use crate::late::again::Asking;
 use crate::late::relief::Goal;
+use crate::thin::Thin;
 use ltbw_core::topology::TetId;
 
 /// A late step.
@@ -20,13 +20,15 @@ enum Step {
 }
 
 /// The late steps in their order.
-const STEPS: [Step; 6] = [
+const STEPS: [Step; 7] = [
     Step::Retry,
     Step::Relief(Goal::Bounds),
     Step::Insist,
     Step::Slivers,
     Step::Relief(Goal::Angles),
     Step::Relief(Goal::Bounds),
+    // Relief makes room.
+    Step::Slivers,
 ];
 
 /// The memory of the late steps.
@@ -38,7 +40,7 @@ pub(super) struct Late {
     pub(super) retried: Vec<u64>,
     pub(super) asking: Asking,
     /// Slivers not yet looked at, when all else is done.
-    pub(super) slivers: Option<Vec<Sliver>>,
+    pub(super) slivers: Option<Vec<Thin>>,
     /// The tetrahedra that may have tiny dihedral angles, if others have looked at all.
     pub(super) thin: Option<Vec<TetId>>,
 }
@@ -55,7 +57,10 @@ impl Rounds<'_, '_> {
                 Step::Slivers if self.has_slivers() => {
                     return Some(Next::Round(Class::Slivers));
                 }
-                Step::Slivers => false,
+                Step::Slivers => {
+                    self.late.slivers = None;
+                    false
+                }
                 Step::Relief(goal) => {
                     self.late.step += 1;
                     return Some(Next::Relief(goal));

@@ -1,67 +1,72 @@
-//! Slivers in rounds: when all bounds are met, the tetrahedra with tiny dihedral angles are
-//! candidates, each with the first point that serves it in the mesh at the start of the round.
+//! Slivers in rounds: when all bounds are met, the tetrahedra with small dihedral angles are
+//! candidates, each with the point that serves it best in the mesh at the start of the round.
 //!
 //! A point is inserted only where no other one is, so that its tetrahedra are those looked at, and
 //! no sliver follows from another.
 
+use super::batch::{Prober, Seen};
 use super::{CHECK_EVERY, Candidate, Look, Rounds};
-use crate::complex::carrier::{Carrier, free_point};
-use crate::complex::measure::{RatioBound, Shape};
-use crate::late::sliver::{REACH, TRIES, in_unit_ball};
+use crate::complex::measure::Shape;
 use crate::mesh::item::Item;
 use crate::mesh::key::sorted;
 use crate::mesh::state::Place;
 use crate::rules::aim::TOLERANCE;
-use crate::rules::verdict::Verdict;
-use crate::rules::walk::Way;
-use ltbw_core::topology::{TetId, VertexId};
+use crate::rules::verdict::{Filling, Verdict};
+use crate::thin::Thin;
+use ltbw_core::PredicateStats;
+use ltbw_core::topology::TetId;
+use rayon::prelude::*;
 
-/// A sliver, and the points that are left to be tried for it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sliver {
-    t: TetId,
-    v: [VertexId; 4],
-    tries: u32,
-    seed: u64,
+/// Points that serve a sliver, of which the best is taken.
+const ENOUGH: usize = 4;
+/// Points tried on each boundary item beside it.
+const BESIDE: usize = 8;
+/// Slivers that a thread looks at at a time; fewer are not worth another thread.
+const BATCH: usize = if cfg!(test) { 3 } else { 16 };
+
+/// The point that serves a sliver best.
+struct Served {
+    /// The boundary item that it splits, or the sliver.
+    item: Item,
+    place: Place,
+    cavity: Vec<TetId>,
+    filling: Filling,
+    /// The square of the cosine of its sharpest angle.
+    cos2: f64,
 }
 
 impl Rounds<'_, '_> {
     /// Is any sliver left? They are looked for once, when all bounds are met.
     pub(super) fn has_slivers(&mut self) -> bool {
         if self.late.slivers.is_none() {
-            let own = |(t, v)| Sliver { t, v, tries: TRIES, seed: 1 };
-            self.late.slivers = Some(self.own.slivers().into_iter().map(own).collect());
+            self.late.slivers = Some(self.own.slivers());
         }
         self.late.slivers.as_ref().is_some_and(|slivers| !slivers.is_empty())
-    }
-
-    fn ratio(&self) -> Option<RatioBound> {
-        self.own.bounds.as_ref().and_then(|bounds| bounds.ratio)
     }
 
     /// Chooses points for slivers; `true` if the work is cancelled. A sliver is looked at again as
     /// long as others are in the way of its point.
     pub(super) fn choose_slivers(&mut self, look: Look<'_>) -> bool {
         let mut slivers = self.late.slivers.take().unwrap_or_default();
-        slivers.retain(|own| self.own.state.is_live(own.t, own.v));
+        slivers.retain(|&(t, v)| self.own.state.is_live(t, v));
         self.reserved.start(slivers.len(), 0);
-        let (mut rank, mut cancelled) = (0, false);
-        // Tries are no searches for points that are needed.
-        let searches = self.stats.searches;
-        slivers.retain_mut(|own| {
-            if rank as usize % CHECK_EVERY == CHECK_EVERY - 1 {
-                cancelled |= look(self.own.state.mesh.num_vertices());
+        let vertices = self.own.state.mesh.num_vertices();
+        let mut left = Vec::new();
+        for (k, list) in slivers.chunks(CHECK_EVERY).enumerate() {
+            if k > 0 && look(vertices) {
+                self.late.slivers = Some(slivers);
+                return true;
             }
-            rank += 1;
-            cancelled || self.probe_sliver(own, rank - 1)
-        });
-        self.late.slivers = Some(slivers);
-        self.stats.searches = searches;
+            for (&sliver, served) in list.iter().zip(self.serve_slivers(list)) {
+                if let Some(served) = served {
+                    self.take_served(served, left.len() as u32);
+                    left.push(sliver);
+                }
+            }
+        }
+        self.late.slivers = Some(left);
         let stats = std::mem::take(&mut self.prober.search.stats);
         self.own.state.mesh.add_stats(stats);
-        if cancelled {
-            return true;
-        }
         for k in 0..self.choice.candidates.len() {
             if self.survives(k) {
                 self.choice.chosen.push(k);
@@ -70,40 +75,156 @@ impl Rounds<'_, '_> {
         false
     }
 
-    /// Proposes points for a sliver until one serves; `false` if none does.
-    fn probe_sliver(&mut self, own: &mut Sliver, rank: u32) -> bool {
-        let Some(ratio) = self.ratio() else { return false };
-        let corners = sorted(own.v.map(|v| self.own.state.at(v)));
+    /// The best points for some slivers, in their order.
+    fn serve_slivers(&mut self, list: &[Thin]) -> Vec<Option<Served>> {
+        let mut own = std::mem::take(&mut self.prober);
+        let this = &*self;
+        let serve = |prober: &mut Prober, list: &[Thin]| {
+            let served: Vec<_> = list.iter().map(|&(t, _)| this.serve(t, prober)).collect();
+            (served, std::mem::take(&mut prober.search.stats))
+        };
+        let batches: Vec<(Vec<Option<Served>>, PredicateStats)> =
+            match self.threads > 1 && list.len() >= 2 * BATCH {
+                true => list.par_chunks(BATCH).map_init(Prober::default, serve).collect(),
+                false => vec![serve(&mut own, list)],
+            };
+        self.prober = own;
+        let mut all = Vec::with_capacity(list.len());
+        for (served, stats) in batches {
+            self.own.state.mesh.add_stats(stats);
+            all.extend(served);
+        }
+        all
+    }
+
+    fn take_served(&mut self, served: Served, rank: u32) {
+        let Served { item, place, cavity, filling, .. } = served;
+        let cavity = self.choice.add_cavity(&cavity);
+        // One that is alone has nobody to watch.
+        let (fits, watch, alone) = (true, None, true);
+        let own = Candidate { item, rank, fits, watch, alone, place, cavity, filling };
+        self.choice.candidates.push(own);
+        self.reserved.note_alone(rank, alone);
+        self.reserve_last();
+    }
+
+    /// The best of the first points that serve a sliver: inside, else on the boundary, where items
+    /// are beside it or keep points inside away; there at last in the balls of other items.
+    fn serve(&self, t: TetId, prober: &mut Prober) -> Option<Served> {
+        let state = &self.own.state;
+        let (mut best, mut barred_by) = (Best::default(), Vec::new());
+        for place in state.places_for(t) {
+            best.take(self.try_inside(t, place, prober, &mut barred_by));
+            if best.is_enough() {
+                break;
+            }
+        }
+        if best.served.is_some() {
+            return best.served;
+        }
+        let corners = sorted(state.vertices(t).map(|v| state.at(v)));
         let [a, b, c, d] = &corners;
         let shape = Shape::of([a, b, c, d]);
-        let radius = shape.radius();
-        let Some(centre) = shape.circumcentre(d) else { return false };
-        while let Some(left) = own.tries.checked_sub(1) {
-            let mut seed = own.seed;
-            let offset = in_unit_ball(&mut seed);
-            let target = [0, 1, 2].map(|k| centre[k] + REACH * radius * offset[k]);
-            if let Some(p) = free_point(&target, radius * TOLERANCE)
-                && let Way::Arrived(from) = self.own.state.way(own.t, &p)
-            {
-                let place = Place { p, carrier: Carrier::Free, from };
-                if let Ok(seen) = self.prober.see(&self.own.state, &place, |_| false)
-                    && let judge = seen.judge(&self.own.record)
-                    && let Verdict::Fill(filling) = judge.on_tet(own.t, &place)
-                    && judge.makes_no_sliver(&p, &ratio)
-                {
-                    let (item, watch) =
-                        (Item::Tet(own.t, own.v), seen.survey.watch_in_tet(&seen.closure));
-                    let cavity = self.choice.add_cavity(seen.tets);
-                    let (fits, alone) = (true, true);
-                    let own = Candidate { item, rank, fits, watch, alone, place, cavity, filling };
-                    self.choice.candidates.push(own);
-                    self.reserved.note_alone(rank, alone);
-                    self.reserve_last();
-                    return true;
+        let (tolerance, centre) = (shape.radius() * TOLERANCE, shape.circumcentre(d)?);
+        let mut items = barred_by;
+        items.extend(state.beside(t, &centre, tolerance));
+        state.sort(&mut items);
+        items.dedup();
+        for gives_way in [true, false] {
+            let mut seed = 1;
+            for &item in &items {
+                for k in 0..BESIDE {
+                    let place = state.place_beside(item, k, &mut seed, t, tolerance);
+                    let Some(place) = place else { continue };
+                    let Some(from) = state.holder(t, &place.p) else { continue };
+                    let trial = Trial { item, place: Place { from, ..place }, gives_way };
+                    best.take(self.try_on_boundary(t, trial, prober));
+                    if best.is_enough() {
+                        return best.served;
+                    }
                 }
             }
-            (own.tries, own.seed) = (left, seed);
+            if best.served.is_some() {
+                break;
+            }
         }
-        false
+        best.served
+    }
+
+    /// A point inside for a sliver, if it serves; else `barred_by` is told of the items that keep
+    /// it away.
+    fn try_inside(
+        &self,
+        t: TetId,
+        place: Place,
+        prober: &mut Prober,
+        barred_by: &mut Vec<Item>,
+    ) -> Option<Served> {
+        let seen = prober.see(&self.own.state, &place, |_| false).ok()?;
+        let filling = match seen.judge(&self.own.record).on_tet(t, &place) {
+            Verdict::Fill(filling) => filling,
+            Verdict::Defer(items) => {
+                barred_by.extend(items);
+                return None;
+            }
+            Verdict::Useless | Verdict::Refuse(_) => return None,
+        };
+        let item = Item::Tet(t, self.own.state.vertices(t));
+        self.served(&seen, item, place, filling)
+    }
+
+    /// A point on the boundary for a sliver, if it serves.
+    fn try_on_boundary(&self, t: TetId, trial: Trial, prober: &mut Prober) -> Option<Served> {
+        let Trial { item, place, gives_way } = trial;
+        let seen = prober.see(&self.own.state, &place, |_| false).ok()?;
+        if !seen.tets.contains(&t) {
+            return None;
+        }
+        let judge = seen.judge(&self.own.record);
+        let filling = judge.filling_beside(Some(item), &place, |_| !gives_way)?;
+        self.served(&seen, item, place, filling)
+    }
+
+    /// A point with what comes with it, if its tetrahedra are as they have to be.
+    fn served(
+        &self,
+        seen: &Seen<'_>,
+        item: Item,
+        place: Place,
+        filling: Filling,
+    ) -> Option<Served> {
+        let judge = seen.judge(&self.own.record);
+        let bounds = self.own.bounds.as_ref()?;
+        let cos2 = judge.sharpest_of_star(&place, &filling.changes, bounds)?;
+        Some(Served { item, place, cavity: seen.tets.to_vec(), filling, cos2 })
+    }
+}
+
+/// A point that is tried on a boundary item.
+struct Trial {
+    item: Item,
+    place: Place,
+    /// May it lie in no ball of another item?
+    gives_way: bool,
+}
+
+/// The best point so far.
+#[derive(Default)]
+struct Best {
+    served: Option<Served>,
+    count: usize,
+}
+
+impl Best {
+    fn take(&mut self, served: Option<Served>) {
+        let Some(served) = served else { return };
+        self.count += 1;
+        if self.served.as_ref().is_none_or(|best| served.cos2 < best.cos2) {
+            self.served = Some(served);
+        }
+    }
+
+    fn is_enough(&self) -> bool {
+        self.count == ENOUGH
     }
 }

@@ -32,7 +32,7 @@ impl Run<'_> {
         state.mesh.set_next_number(inserted.next_number);
         state.number_vertices(state.plc.corners.len() as Vertex);
         let order = state.tets_in_order(inserted.next_number);
-        let mut excuses = Vec::new();
+        let (mut excuses, mut slivers) = (Vec::new(), Vec::new());
         if bounds.is_some() {
             state.settle_all_dust();
         }
@@ -50,6 +50,7 @@ impl Run<'_> {
             };
             sound.or_else(|error| heed.is_cancelled().then_some(()).ok_or(error))?;
             excuses = state.excuses(bounds, &record, &order, over, self.stop);
+            slivers = state.slivers_among(inserted.thin.tets, bounds);
         }
         let segments = state.missing_segments.iter().map(|&s| Item::Segment(s));
         let missing = segments.chain(state.missing.iter().map(|&s| Item::Subface(s)));
@@ -64,6 +65,17 @@ impl Run<'_> {
             _ if excuses.is_empty() => RefineOutcome::Met,
             _ => RefineOutcome::Excused,
         };
-        Ok(Refined { outcome, excuses, lost, regions, stats, rounds, lattice, state, order })
+        Ok(Refined {
+            outcome,
+            excuses,
+            slivers,
+            lost,
+            regions,
+            stats,
+            rounds,
+            lattice,
+            state,
+            order,
+        })
     }
 }

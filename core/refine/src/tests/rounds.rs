@@ -2,10 +2,13 @@
 
 use super::sharp::{larger, over, relieve};
 use super::{check_conforming, check_marks, model, ready, refine};
+use crate::complex::dihedral::DihedralBound;
 use crate::late::relief::Goal;
-use crate::{InsertOrder, Reason, RefineOutcome, Refined, Refiner};
+use crate::mesh::key::sorted;
+use crate::{InsertOrder, Reason, RefineError, RefineOutcome, Refined, Refiner};
 use ltbw_core::invariants::check_all;
 use ltbw_core::mesh::Vertex;
+use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_exact::Point;
 use ltbw_generate::{DomainKind, Shape};
@@ -338,20 +341,45 @@ fn patches_within_a_tolerance_have_one_mesh_for_all_orders() {
     assert!(excused <= excused_singly, "{excused} {excused_singly}");
 }
 
-/// Slivers that a point serves are gone, and none follows.
+/// Slivers are gone, and none follows: each point divides one at least and makes none.
 #[test]
 fn slivers_are_split_in_rounds() {
-    let ready = surface!(ltbw_generate::surfaces::torus(24));
-    let slivers = |refined: &Refined| {
-        let state = &refined.state;
-        state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).count()
-    };
+    let torus = surface!(ltbw_generate::surfaces::torus(24));
     let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(1e-4);
-    let refined = one_mesh(&refiner, &ready, 0, "a torus");
-    let single = refine(&refiner.start(usize::MAX), &ready);
-    let counts = [slivers(&refined), slivers(&single)];
-    println!("{counts:?} slivers, {} {} tetrahedra", refined.num_tets(), single.num_tets());
-    assert!(counts[0] <= counts[1].max(2), "{counts:?}");
+    let cube = ready(DomainKind::CubeInCube, &Shape::default());
+    for (name, ready, refiner) in
+        [("a torus", torus, refiner), ("a cube in a cube", cube, Refiner::new().max_volume(2e-4))]
+    {
+        let before = refine(&refiner.min_dihedral(0.0).start(0), &ready);
+        assert!(before.slivers.is_empty(), "{name}: none is asked for");
+        let below = |refined: &Refined, degrees: f64| {
+            let bound = DihedralBound::new(degrees);
+            let is_below = |&t: &TetId| {
+                let corners = refined.state.vertices(t).map(|v| refined.state.at(v));
+                bound.is_missed(sorted(corners).each_ref())
+            };
+            refined.tets().filter(is_below).count()
+        };
+        let count = below(&before, 8.0);
+        assert!(count > 20, "{name}: {count}");
+        let refined = one_mesh(&refiner, &ready, 0, name);
+        assert_eq!((below(&refined, 8.0), refined.slivers.len()), (0, 0), "{name}");
+        let [points, more] = [&before, &refined].map(|own| own.mesh().num_vertices());
+        assert!((1..=count).contains(&(more - points)), "{name}: {points} {more}, {count}");
+        let few = refine(&refiner.min_dihedral(5.0).start(0), &ready);
+        assert_eq!(below(&few, 5.0), 0, "{name}");
+        assert!(few.num_tets() < refined.num_tets(), "{name}");
+    }
+}
+
+#[test]
+fn bounds_on_angles_are_numbers_that_can_be_met() {
+    let cube = ready(DomainKind::CubeInCube, &Shape::default());
+    for degrees in [-1.0, 12.5, f64::NAN, f64::INFINITY] {
+        let error = Refiner::new().min_dihedral(degrees).refine(&cube.domain, &cube.lattice);
+        let Err(RefineError::Bound { name, .. }) = error else { panic!("{degrees}") };
+        assert_eq!(name, "min-dihedral");
+    }
 }
 
 /// A ball of quads cut in two, flat but for rounding: its centre takes the concave ones out of the

@@ -1,7 +1,7 @@
 //! The filters for bounds of tetrahedra, four at a time: operation by operation those of
 //! [`ltbw_exact::predicates::filter`], so that what is proved of them holds here.
 
-use super::{FourCorners, TINY_SINE};
+use super::FourCorners;
 use ltbw_exact::predicates::filter::{
     EDGE_ERROR, RADIUS_ERROR, VOLUME_ERROR, VOLUME_LIMIT_ERROR, power_of_two,
 };
@@ -85,6 +85,7 @@ pub(super) fn test_bounds(
     corners: &FourCorners,
     volumes: &[f64; 4],
     ratio: Option<f64>,
+    thick: f64,
 ) -> [u32; 3] {
     let lanes = |of: &[f64; 4]| _mm256_setr_pd(of[0], of[1], of[2], of[3]);
     let point = |k: usize| [lanes(&corners[k][0]), lanes(&corners[k][1]), lanes(&corners[k][2])];
@@ -139,7 +140,7 @@ pub(super) fn test_bounds(
     let most = |a: Lanes, b: Lanes, c: Lanes| _mm256_max_pd(_mm256_max_pd(a, b), c);
     let longest = _mm256_max_pd(most(alift, blift, clift), most(sides[0], sides[1], sides[2]));
     let square = _mm256_mul_pd(longest, longest);
-    let limit = _mm256_mul_pd(all(TINY_SINE), _mm256_mul_pd(square, square));
+    let limit = _mm256_mul_pd(all(thick), _mm256_mul_pd(square, square));
     let sine = _mm256_mul_pd(_mm256_mul_pd(det, det), shortest);
     let thick = _mm256_cmp_pd::<_CMP_GT_OQ>(sine, limit);
     [large | long, small & short, _mm256_movemask_pd(thick) as u32]
@@ -188,7 +189,7 @@ mod tests {
                 _ => (next() * next()).abs() * cube,
             });
             let ratio = (round % 7 > 0).then(|| next().abs() * 3.0);
-            let [over, within, thick] = test_bounds(&corners, &volumes, ratio);
+            let [over, within, thick] = test_bounds(&corners, &volumes, ratio, 0.01);
             assert_eq!([over, within], plain(&corners, &volumes, ratio));
             assert!(thick == 0 || ratio.is_some());
             for lane in 0..4 {
