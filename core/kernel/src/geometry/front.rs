@@ -183,7 +183,7 @@ impl InFront<'_> {
         (apex, sphere)
     }
 
-    /// The ones of the first corners in the mask `open` that are not certain to be outside the sphere
+    /// The mask `open` of the first corners without those that are certain to be outside the sphere
     /// of the tetrahedron `v`.
     #[inline(always)]
     fn undecided(&self, v: [VertexId; 4], corners: &[VertexId], open: u32) -> u32 {
