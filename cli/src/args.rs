@@ -200,6 +200,12 @@ pub(crate) struct VectorsRun {
 pub(crate) struct Delaunay {
     /// The points: .npy .npz .xyz .txt .csv .node .ply .off .obj .stl
     pub(crate) points: PathBuf,
+    /// Points to remove from the mesh: by their coordinates, in a file like that of the points
+    ///
+    /// The mesh is that of the other points, which are numbered from 0 on. A point that is none of
+    /// the mesh is an error.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) without: Option<PathBuf>,
     /// Where to write the mesh: .vtu .vtk .msh .mesh .ele (with .node); may be given several times.
     /// As .pvtu it is left distributed: a .vtu beside it for each worker
     #[arg(short, long = "output", value_name = "MESH")]

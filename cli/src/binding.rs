@@ -31,6 +31,8 @@ pub(crate) enum Role {
     Input,
     /// A file that belongs to it: the `.node` of a `.poly`.
     Companion,
+    /// Points that were removed.
+    Without,
     /// Edge lengths.
     Sizes,
     /// The mesh that they are about, and what belongs to it.

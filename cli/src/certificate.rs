@@ -124,7 +124,7 @@ struct Told<'v> {
 }
 
 /// Compares the files that are given with those that were read: the first with the input, and
-/// beside it its companions; the others with sizes and background. In words, how many there were.
+/// beside it its companions; the others with what came beside it. In words, how many there were.
 fn compare_inputs(
     given: &[PathBuf],
     certificate: &Value,
@@ -160,7 +160,7 @@ fn compare_inputs(
         }
         for path in others {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let beside = |t: &&Told<'_>| t.role == "sizes" || t.role == "background";
+            let beside = |t: &&Told<'_>| ["sizes", "background", "without"].contains(&t.role);
             compare(path, told.iter().filter(beside).find(|t| t.name == name))?;
         }
     }

@@ -82,6 +82,7 @@ mod sync;
 mod task;
 mod unrecovered;
 mod vectors;
+mod without;
 mod workers;
 
 use args::{Args, Command, Delaunay, MeshArgs, Vectors};

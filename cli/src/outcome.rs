@@ -86,6 +86,14 @@ pub(crate) enum Failure {
         /// Why.
         error: BuildError,
     },
+    /// Points that cannot be removed.
+    #[error("{}: {why}", show(path))]
+    Without {
+        /// The file that names them.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
     /// An output file could not be written.
     #[error(transparent)]
     Write(IoError),
@@ -151,7 +159,8 @@ impl Failure {
             | Failure::Report { .. }
             | Failure::Refine { .. }
             | Failure::Sizes { .. }
-            | Failure::Build { .. } => Exit::Input,
+            | Failure::Build { .. }
+            | Failure::Without { .. } => Exit::Input,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! `delaunay`: read, order, insert, hash, check, write, report.
 
 use crate::args::{Delaunay, Depth};
-use crate::binding::{Binding, Chosen};
+use crate::binding::{Binding, Chosen, Read, Role};
 use crate::check::check_own;
 use crate::console::{self, Stop};
 use crate::figures::{Doing, Figures, Run, SPANS, tables, write_trace};
@@ -13,6 +13,7 @@ use crate::pieces::part_of;
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report};
 use crate::task::{Files, Judged, Task};
+use crate::without::{Given, Without};
 use ltbw::balance::Balance;
 use ltbw::domain::Thickness;
 use ltbw::io::PointFile;
@@ -32,6 +33,8 @@ struct Job<'a> {
     workers: u32,
     /// Other demands on them.
     parallel: ParallelJob<'a>,
+    /// Points to be removed.
+    without: Option<Without>,
 }
 
 /// The demands on the parallel kernel.
@@ -50,7 +53,7 @@ pub(crate) fn delaunay(args: &Delaunay, others: Others<'_>) -> Result<Exit, Fail
     let workers = others.map_or(args.threads.map_or(1, u32::from), |others| others.size());
     let files = Files {
         input: &args.points,
-        inputs: vec![args.points.clone()],
+        inputs: [&args.points].into_iter().chain(&args.without).cloned().collect(),
         outputs: &args.output,
         streams: &args.streams,
         others: [&args.json, &args.trace, &args.page].into_iter().flatten().cloned().collect(),
@@ -61,10 +64,22 @@ pub(crate) fn delaunay(args: &Delaunay, others: Others<'_>) -> Result<Exit, Fail
         let text = "--trace, --tables and --balance are about several workers: --threads 2 or more";
         return Err(Failure::Usage(text.to_owned()));
     }
+    if args.without.is_some() && !outputs.in_parts.is_empty() {
+        let text = "--without: a mesh of which points were removed is not left distributed";
+        return Err(Failure::Usage(text.to_owned()));
+    }
     let source = outputs.formats.input(&args.points)?;
     let stop = Stop::on_signal()?;
     let stage = Stage::begin("read");
     let file = source.points()?;
+    let mut reads = source.reads().list();
+    let mut without = None;
+    if let Some(path) = &args.without {
+        let source = outputs.formats.input(path)?;
+        without = Some(Without { points: source.points()?.points, name: source.name.clone() });
+        let all = source.reads().list();
+        reads.extend(all.into_iter().map(|read| Read { role: Role::Without, ..read }));
+    }
     drop(stage);
     let parallel =
         ParallelJob { balance: args.balance, tables: args.tables, trace: args.trace.as_deref() };
@@ -75,12 +90,13 @@ pub(crate) fn delaunay(args: &Delaunay, others: Others<'_>) -> Result<Exit, Fail
         json: args.json.as_deref(),
         page: args.page.as_deref(),
         check: args.check,
-        binding: Binding { inputs: source.reads().list(), options: Chosen::default() },
+        binding: Binding { inputs: reads, options: Chosen::default() },
         stop: &stop,
         start,
         others,
     };
-    mesh_points(file, &Job { task, read_seconds: start.elapsed().as_secs_f64(), workers, parallel })
+    let read_seconds = start.elapsed().as_secs_f64();
+    mesh_points(file, &Job { task, read_seconds, workers, parallel, without })
 }
 
 /// Meshes points: builds, hashes, checks, writes and reports.
@@ -88,7 +104,7 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
     let task = &job.task;
     let name = show(task.name);
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
-    let point_tags = file.point_tags;
+    let tags = file.point_tags;
     let count = file.points.len();
     let set = PointSet::new(file.points)
         .map_err(|error| Failure::Points { path: task.name.to_owned(), error })?;
@@ -100,7 +116,7 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
         Outcomes::Stopped => None,
         Outcomes::Elsewhere => return Ok(Exit::Done),
     };
-    let Some(built) = built else {
+    let Some(mut built) = built else {
         let input = Input { points: count, ..Input::default() };
         let mut report = task.report(input, "cancelled");
         report.seconds.read = job.read_seconds;
@@ -108,6 +124,12 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
         console::people("ltbw: stopped before the first tetrahedron; no mesh was written");
         return Ok(Exit::Stopped);
     };
+    let mut given = Given { set, tags };
+    if let Some(without) = job.without.as_ref().filter(|_| built.outcome == Outcome::Complete) {
+        given = without.remove(&mut built, given)?;
+    }
+    let Given { set, tags: point_tags } = given;
+    let count = set.len();
     let mut report = report_of(&built, count, job);
     let Built { mesh, outcome, workers, parts, summary, trace, .. } = *built;
     report.workers = workers;

@@ -26,4 +26,5 @@ mod signals;
 mod simulated;
 mod streams;
 mod vectors;
+mod without;
 mod works;

@@ -9,7 +9,8 @@
 // All numbers little-endian (the program refuses to compile elsewhere).
 //   request  u64 command (1: triangulate), u32 flags, u64 n, n * 3 f64
 //   flags    1 send tetrahedra, 2 send hull facets, 4 compute the hash, 8 insert in input order
-//            (no spatial sort), bits 16..31: threads (only the build with LTBW_TBB; 0 and 1: one)
+//            (no spatial sort), 16 remove the later half of the points again, one by one: the
+//            answer is of the others, the seconds are those of removing; bits 16..31: threads (only the build with LTBW_TBB; 0 and 1: one)
 //   reply    u32 status (0 done, 1 dimension below 3, 2 not understood or refused),
 //            i32 dimension, u64 distinct vertices, u64 tetrahedra, u64 hull facets,
 //            f64 seconds (order and insertion), u64 peak resident bytes, 32 bytes hash,
@@ -39,6 +40,7 @@
 #include <exception>
 #include <memory>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the pipe is little-endian");
@@ -52,7 +54,7 @@ using Tet = std::array<std::uint32_t, 4>;
 using Facet = std::array<std::uint32_t, 3>;
 using Digest = std::array<std::uint8_t, 32>;
 
-enum Flags : std::uint32_t { kTets = 1, kHull = 2, kHash = 4, kInputOrder = 8 };
+enum Flags : std::uint32_t { kTets = 1, kHull = 2, kHash = 4, kInputOrder = 8, kRemove = 16 };
 enum Status : std::uint32_t { kDone = 0, kFlat = 1, kRefused = 2 };
 
 // A limit against a garbled length: 2^28 points are 6 GiB of coordinates.
@@ -233,6 +235,32 @@ void extract(const Triangulation& tr, const std::vector<Coords>& input, std::uin
   if (flags & kHash) result.hash = canonical_hash(sorted, input.size(), result.tets);
 }
 
+// The points of the first half that lie nowhere in the later one stay.
+template <class Triangulation>
+Result run_and_remove(Triangulation& tr, const std::vector<Coords>& input, std::uint32_t flags) {
+  std::vector<typename Triangulation::Vertex_handle> handles;
+  typename Triangulation::Vertex_handle hint;
+  for (const Coords& p : input) {
+    hint = tr.insert(Point(p[0], p[1], p[2]), hint);
+    handles.push_back(hint);
+  }
+  const std::size_t half = input.size() / 2;
+  std::vector<Coords> gone(input.begin() + half, input.end()), left;
+  std::sort(gone.begin(), gone.end());
+  for (std::size_t i = 0; i < half; ++i) {
+    if (!std::binary_search(gone.begin(), gone.end(), input[i])) left.push_back(input[i]);
+  }
+  std::unordered_set<const void*> removed;
+  Result result;
+  const double start = now();
+  for (std::size_t i = half; i < handles.size(); ++i) {
+    if (removed.insert(&*handles[i]).second) tr.remove(handles[i]);
+  }
+  result.seconds = now() - start;
+  extract(tr, left, flags, result);
+  return result;
+}
+
 template <class Triangulation>
 Result run(Triangulation& tr, const std::vector<Coords>& input, std::uint32_t flags) {
   std::vector<Point> points;
@@ -266,7 +294,7 @@ Result triangulate(const std::vector<Coords>& input, std::uint32_t flags) {
 #else
   CGAL::Delaunay_triangulation_3<Kernel> tr;
 #endif
-  return run(tr, input, flags);
+  return flags & kRemove ? run_and_remove(tr, input, flags) : run(tr, input, flags);
 }
 
 // ---- pipe --------------------------------------------------------------------------------------

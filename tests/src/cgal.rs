@@ -88,6 +88,8 @@ pub struct Ask {
     pub hash: bool,
     /// Insert in input order instead of CGAL's spatial sort.
     pub input_order: bool,
+    /// Remove the later half of the points again: the answer is of the others.
+    pub remove: bool,
     /// Threads, for a server started with [`Cgal::start_tbb`]; else ignored.
     pub threads: u16,
 }
@@ -98,6 +100,7 @@ impl Ask {
             | u32::from(self.hull) << 1
             | u32::from(self.hash) << 2
             | u32::from(self.input_order) << 3
+            | u32::from(self.remove) << 4
             | u32::from(self.threads) << 16
     }
 }
@@ -115,7 +118,7 @@ pub struct Reply {
     pub hull: Vec<[u32; 3]>,
     /// The canonical hash `ltbw.mesh/1`, if asked for and the dimension is 3.
     pub hash: Option<MeshHash>,
-    /// Seconds for order and insertion.
+    /// Seconds for order and insertion; or for removing what was to be removed.
     pub seconds: f64,
     /// Peak resident set of the server so far, in bytes.
     pub peak_rss: u64,

@@ -21,6 +21,7 @@ mod refine_rounds;
 mod refine_surfaces;
 mod refine_workers;
 mod regressions;
+mod removed;
 mod rug;
 mod rules;
 mod small_meshes;

@@ -36,7 +36,7 @@ const LONG_FILES: &[&str] = &[];
 /// Lines of code that a reader of a part may have before him, at most: the kernel's auditor, and
 /// whoever ports the protocol. Folders, the file that neither reads, the number.
 const SIZES: &[(&[&str], &str, usize)] = &[
-    (&["core/exact", "core/kernel"], "", 7_620),
+    (&["core/exact", "core/kernel"], "", 8_300),
     (&["parallel/src/protocol"], "parallel/src/protocol/variants.rs", 1_845),
 ];
 

@@ -39,6 +39,7 @@ const HELP: &str = "\
 cargo xtask COMMAND
 
   bench [SET]...        our order + insert against CGAL's, interleaved pairs, median of 7
+  bench removal         removing uniform points beside putting them back, and beside CGAL's
   bench threads [N [ROUNDS]]
                         one and two threads against the sequential kernel and CGAL on TBB, N points
   bench python [N [ROUNDS]]

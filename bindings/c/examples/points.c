@@ -80,6 +80,19 @@ int main(void) {
   ltbw_mesh_free(mesh);
   ltbw_mesh_free(NULL);
 
+  /* Points can be removed again: the mesh is that of the others. */
+  const uint32_t last[] = {COUNT - 1, COUNT - 2};
+  ltbw_points most = {points[0], COUNT, last, 2};
+  if (ltbw_delaunay_without(&most, &run, &mesh) != LTBW_OK || ltbw_mesh_hash(mesh, hash) != LTBW_OK) {
+    return fail("without");
+  }
+  ltbw_mesh_free(mesh);
+  if (ltbw_delaunay(points[0], COUNT - 2, NULL, &mesh) != LTBW_OK ||
+      ltbw_mesh_hash(mesh, alone) != LTBW_OK || strcmp(hash, alone) != 0) {
+    return fail("without two of them");
+  }
+  ltbw_mesh_free(mesh);
+
   /* What is wrong is told, with the points at fault. */
   size_t count = 0;
   points[7][1] = 0.0 / 0.0;

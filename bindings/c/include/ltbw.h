@@ -104,6 +104,28 @@ typedef struct ltbw_run {
 } ltbw_run;
 
 /*
+ Points, and those of them that are removed again.
+ */
+typedef struct ltbw_points {
+  /*
+   Coordinates: three for each point.
+   */
+  const double *coordinates;
+  /*
+   Number of points.
+   */
+  size_t count;
+  /*
+   Numbers of points that are removed from the mesh, or NULL.
+   */
+  const uint32_t *without;
+  /*
+   Number of them.
+   */
+  size_t without_count;
+} ltbw_points;
+
+/*
  A surface: polygons over vertices, turned outward.
  */
 typedef struct ltbw_surface {
@@ -392,6 +414,18 @@ enum ltbw_status ltbw_delaunay(const double *coordinates,
                                size_t count,
                                const struct ltbw_run *run,
                                struct ltbw_mesh **out);
+
+/*
+ The Delaunay mesh of points without those of them that are named: the mesh of the others. All
+ keep their numbers; those removed are in no tetrahedron. Duplicates go with their vertex.
+
+ What the caller promises:
+
+ Pointers as at the head of the crate; `run` may be null.
+ */
+enum ltbw_status ltbw_delaunay_without(const struct ltbw_points *given,
+                                       const struct ltbw_run *run,
+                                       struct ltbw_mesh **out);
 
 /*
  A conforming Delaunay mesh of the domain that a surface bounds.

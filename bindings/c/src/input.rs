@@ -10,6 +10,20 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::ThreadId;
 use std::time::Instant;
 
+/// Points, and those of them that are removed again.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Points {
+    /// Coordinates: three for each point.
+    pub coordinates: *const f64,
+    /// Number of points.
+    pub count: usize,
+    /// Numbers of points that are removed from the mesh, or NULL.
+    pub without: *const u32,
+    /// Number of them.
+    pub without_count: usize,
+}
+
 /// A surface: polygons over vertices, turned outward.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 
 use crate::error::{Status, guarded, null};
 use crate::handle::{Arrays, Mesh};
-use crate::input::{Asked, Function, Surface, Wishes, path, points};
+use crate::input::{Asked, Function, Points, Surface, Wishes, path, points, values};
 use crate::run::Run;
 use ltbw_bindings::{Class, Failure, Meshed, Ready, Reins, Source};
 use std::ffi::c_char;
@@ -67,7 +67,38 @@ pub unsafe extern "C" fn ltbw_delaunay(
         // SAFETY: as the caller promises.
         let run = unsafe { Run::of(run) };
         let threads = run.threads;
-        let meshed = run.supervise(|reins| ltbw_bindings::delaunay(given, threads, reins))?;
+        let meshed = run.supervise(|reins| ltbw_bindings::delaunay(given, &[], threads, reins))?;
+        // SAFETY: as the caller promises.
+        unsafe { give(out, meshed) }
+    })
+}
+
+/// The Delaunay mesh of points without those of them that are named: the mesh of the others. All
+/// keep their numbers; those removed are in no tetrahedron. Duplicates go with their vertex.
+///
+/// # Safety
+/// Pointers as at the head of the crate; `run` may be null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ltbw_delaunay_without(
+    given: *const Points,
+    run: *const Run,
+    out: *mut *mut Mesh,
+) -> Status {
+    guarded(|| {
+        // SAFETY: as the caller promises.
+        unsafe { clear(out) }?;
+        // SAFETY: as the caller promises.
+        let given = unsafe { given.as_ref() }.ok_or_else(|| null("points"))?;
+        // SAFETY: as the caller promises.
+        let without = unsafe { values(given.without, given.without_count, "without") }?;
+        // SAFETY: as the caller promises.
+        let points = unsafe { points(given.coordinates, given.count, "points") }?;
+        // SAFETY: as the caller promises.
+        let run = unsafe { Run::of(run) };
+        let threads = run.threads;
+        let without = without.to_vec();
+        let work = |reins: &Reins| ltbw_bindings::delaunay(points, &without, threads, reins);
+        let meshed = run.supervise(work)?;
         // SAFETY: as the caller promises.
         unsafe { give(out, meshed) }
     })

@@ -100,6 +100,15 @@ fn lengths_that_memory_has_no_places_for_are_refused() {
         let status =
             unsafe { ltbw_delaunay(points.as_ptr().cast(), length, null(), &raw mut mesh) };
         assert_eq!((status, &*code()), (Status::LTBW_INPUT, "argument.length"), "{length}");
+        let given = Points {
+            coordinates: points.as_ptr().cast(),
+            count: 4,
+            without: [0_u32].as_ptr(),
+            without_count: length,
+        };
+        // SAFETY: a length that is refused is not made use of.
+        let status = unsafe { ltbw_delaunay_without(&raw const given, null(), &raw mut mesh) };
+        assert_eq!((status, &*code()), (Status::LTBW_INPUT, "argument.length"), "{length}");
         let surfaces = [
             Surface { vertex_count: length, ..whole },
             Surface { face_count: length, ..whole },

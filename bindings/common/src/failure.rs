@@ -6,7 +6,7 @@ use ltbw::io::IoError;
 use ltbw::points::PointError;
 use ltbw::refine::{BackgroundError, RefineError};
 use ltbw::threads::RunError;
-use ltbw::{BuildError, HashError};
+use ltbw::{BuildError, HashError, RemoveError};
 use std::io::ErrorKind;
 use std::path::PathBuf;
 
@@ -86,6 +86,21 @@ impl From<BuildError> for Failure {
             _ => (Class::Input, "points"),
         };
         Self::new(class, code, &error)
+    }
+}
+
+impl From<RemoveError> for Failure {
+    fn from(error: RemoveError) -> Self {
+        match error {
+            RemoveError::Unknown { vertex } => {
+                Self::new(Class::Input, "without.unknown", error).with([vertex])
+            }
+            RemoveError::Flat { vertex, .. } => {
+                Self::new(Class::Input, "without.flat", error).with([vertex])
+            }
+            RemoveError::TooManyTets { .. } => Self::new(Class::Input, "without.too-many", error),
+            other => Self::new(Class::Internal, "without.damaged", other),
+        }
     }
 }
 

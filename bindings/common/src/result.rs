@@ -238,7 +238,9 @@ impl Meshed {
         let mesh = ltbw_verify::Mesh::new(&points, &tets);
         let mesh = mesh.with_neighbours(&neighbours).with_hull(&hull);
         let depth = if full { ltbw_verify::Depth::Full } else { ltbw_verify::Depth::Fast };
-        let all_points = self.outcome == Outcome::Complete;
+        // Some may have been removed.
+        let (vertices, duplicates) = (self.body.mesh().num_vertices(), self.duplicates().len());
+        let all_points = vertices + duplicates == points.len();
         let options = ltbw_verify::Options { depth, all_points, ..ltbw_verify::Options::default() };
         in_own_pool(|| certificate::json(&ltbw_verify::check(&mesh, &options)).map(Some))
     }

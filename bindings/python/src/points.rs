@@ -19,16 +19,17 @@ pub(crate) fn read_points(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, P
     coordinates(py, supervised(py, None, read)?)
 }
 
-/// Meshes points on `threads` threads; with notes.
+/// Meshes points on `threads` threads, without those that `without` names; with notes.
 #[pyfunction]
 pub(crate) fn delaunay(
     py: Python<'_>,
     given: Coordinates<'_>,
+    without: Vec<u32>,
     threads: u32,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Kernel, Vec<String>)> {
     let given = points(&given)?;
-    let work = move |reins: &Reins| Ok(ltbw_bindings::delaunay(given, threads, reins)?);
+    let work = move |reins: &Reins| Ok(ltbw_bindings::delaunay(given, &without, threads, reins)?);
     let mut meshed = supervised(py, progress.as_ref(), work)?;
     let notes = std::mem::take(&mut meshed.notes);
     Ok((Kernel::new(meshed), notes))

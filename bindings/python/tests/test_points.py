@@ -76,6 +76,37 @@ def test_any_layout_is_taken(change):
     assert ltbw.delaunay(change(points)).hash == ltbw.delaunay(points).hash
 
 
+def test_points_are_removed():
+    points = cloud()
+    mesh = ltbw.delaunay(points, without=np.arange(10, 40), threads=2)
+    assert mesh.hash == ltbw.delaunay(np.delete(points, np.s_[10:40], axis=0)).hash
+    assert mesh.points.shape == points.shape and mesh.outcome == "complete"
+    assert not np.isin(mesh.simplices, np.arange(10, 40)).any()
+    assert mesh.check().passed
+    # A place is removed once.
+    doubled = np.vstack([points, points[:3]])
+    mesh = ltbw.delaunay(doubled, without=[1, len(points) + 1])
+    assert mesh.hash == ltbw.delaunay(np.delete(points, 1, axis=0)).hash
+    assert [row[0] for row in mesh.coplanar.tolist()] == [len(points), len(points) + 2]
+
+
+@pytest.mark.parametrize(
+    "without, code, ids",
+    [
+        ([4, 5], "without.unknown", [5]),
+        ([-1], "without.unknown", []),
+        ([0.5], "without.type", []),
+        ([[0]], "without.type", []),
+        ([4, 3], "without.flat", [3]),
+    ],
+)
+def test_points_that_cannot_be_removed(without, code, ids):
+    points = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4], [1, 1, 1]]
+    with pytest.raises(ltbw.InputError) as caught:
+        ltbw.delaunay(points, without=without)
+    assert caught.value.code == code and caught.value.ids == ids
+
+
 def test_whole_numbers_and_duplicates():
     points = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4], [0, 0, 0], [4, 0, 0]]
     mesh = ltbw.delaunay(points)

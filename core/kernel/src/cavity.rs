@@ -9,6 +9,7 @@
 //! Cost: O(cavity) expected. Cavities of up to 64 boundary vertices are starred by a table of
 //! directed edges, larger ones by a hash table.
 
+pub(crate) mod hole;
 mod reopen;
 
 use crate::edges::{EdgeTable, Met};

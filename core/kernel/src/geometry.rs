@@ -4,8 +4,10 @@
 //! A conflict test goes through up to four stages, each certain when it answers: the cached
 //! sphere, the semi-static filter, exact arithmetic, symbolic perturbation.
 
+mod front;
 mod shared;
 
+pub(crate) use front::{InFront, Rim};
 pub(crate) use shared::SharedConflict;
 
 use crate::arena::Arena;
@@ -257,7 +259,7 @@ impl Geometry {
     /// Is `p` inside the perturbed circumsphere of `t`? The cached sphere has not decided.
     #[inline(never)]
     fn conflict_by_points(&mut self, topology: &Topology, t: TetId, p: &Point) -> bool {
-        self.predicates().in_conflict(topology, t, p)
+        self.predicates().in_conflict(topology.tet(t).vertices(), p)
     }
 
     /// Caches the spheres of the star around `p`; there are `slots` slots now.
@@ -354,10 +356,9 @@ impl Predicates<'_> {
         }
     }
 
-    /// Is `p` inside the perturbed circumsphere of `t`? The cached sphere has not decided.
+    /// Is `p` in the perturbed circumsphere of a tetrahedron? The cached sphere has not decided.
     #[inline(always)]
-    fn in_conflict(&mut self, topology: &Topology, t: TetId, p: &Point) -> bool {
-        let [a, b, c, d] = topology.tet(t).vertices();
+    fn in_conflict(&mut self, [a, b, c, d]: [VertexId; 4], p: &Point) -> bool {
         if d == INFINITE {
             let sign = match self.orient([a, b, c], p) {
                 Sign::Zero => {

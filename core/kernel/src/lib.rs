@@ -16,6 +16,7 @@
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
 //! | `submesh` | the tetrahedra of one parallel worker, with locks |
 //! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
+//! | `remove` | a vertex taken out of a mesh |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |
 //! | `numbering` | kernel vertices by public number |
@@ -52,6 +53,7 @@ pub mod order;
 pub mod query;
 #[doc(hidden)]
 pub mod random;
+mod remove;
 #[doc(hidden)]
 pub mod search;
 #[cfg(feature = "serde")]
@@ -82,6 +84,7 @@ pub use ltbw_exact::{Mode, Point, PointError, PointSet, Sign};
 pub use mesh::{Duplicate, InsertError, Inserted, Mesh, Vertex};
 #[doc(inline)]
 pub use random::Random;
+pub use remove::RemoveError;
 pub use snapshot::{Snapshot, SnapshotError};
 #[doc(hidden)]
 pub use sphere::simd::{FourCorners, test_bounds};

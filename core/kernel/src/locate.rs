@@ -7,7 +7,7 @@
 
 use crate::cavity::Conflict;
 use crate::geometry::{Geometry, PointConflict};
-use crate::topology::{INFINITE, TetId, Topology, slot_of, tet_of};
+use crate::topology::{INFINITE, TetId, Topology, VertexId, slot_of, tet_of};
 use ltbw_exact::predicates::Sign;
 
 /// The end of a walk.
@@ -109,6 +109,37 @@ pub(crate) fn walk_through<G: Access>(
         }
     }
     scan(topology, conflict, access)
+}
+
+/// Walks from `start` to a tetrahedron that has the vertex `v`; `None` if there is none.
+pub(crate) fn walk_to(
+    topology: &Topology,
+    geometry: &mut Geometry,
+    start: TetId,
+    v: VertexId,
+) -> Option<TetId> {
+    let p = *geometry.point(v);
+    let mut conflict = geometry.conflict_of(&p);
+    let geometry = conflict.geometry();
+    let has = |t: TetId| topology.tet(t).vertices().contains(&v);
+    let (mut t, mut entry) = (start, 4);
+    if topology.tet(t).is_ghost() && !has(t) {
+        t = tet_of(topology.tet(t).neighbours()[3]);
+    }
+    for _ in 0..=topology.slots() {
+        if has(t) {
+            return Some(t);
+        }
+        let tet = topology.tet(t);
+        let [a, b, c, d] = tet.vertices();
+        let faces = [[c, b, d], [d, a, c], [b, a, d], [a, b, c]];
+        let mut exits = (0..4).filter(|&slot| slot != entry);
+        let exit = exits.find(|&slot| geometry.orient(faces[slot], &p) == Sign::Negative);
+        // A vertex lies beyond no hull facet.
+        let Some(face) = exit.map(|slot| tet.neighbours()[slot]) else { break };
+        (t, entry) = (tet_of(face), slot_of(face));
+    }
+    topology.iter().map(|(t, _)| t).find(|&t| has(t))
 }
 
 /// Finds a conflict by looking at every tetrahedron: right whatever a walk does.

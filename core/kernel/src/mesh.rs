@@ -2,7 +2,7 @@
 //!
 //! Vertices have the numbers of the input points ([`Vertex`]); of equal points the smallest
 //! number is a vertex, the others are its duplicates. Tetrahedra have [`TetId`]s, which are
-//! stable until the next insertion.
+//! stable until the next insertion or removal.
 
 mod assembled;
 #[doc(hidden)]
@@ -13,11 +13,12 @@ mod room;
 pub use assembled::Assembly;
 
 use crate::PredicateStats;
+use crate::cavity::hole::Filling;
 use crate::cavity::{Admission, AdmitAll, Cavity, Role, Setback, Star};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Rim};
 use crate::hash::{HashError, MeshHash, canonical_hash};
 pub use crate::numbering::Duplicate;
-use crate::numbering::Numbering;
+use crate::numbering::{Numbering, VACANT};
 use crate::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
 use crate::transaction::{OpenCavity, Opens};
 use ltbw_exact::points::{Mode, PointError};
@@ -99,9 +100,15 @@ pub(crate) enum Placed {
 pub struct Mesh {
     pub(crate) topology: Topology,
     pub(crate) geometry: Geometry,
-    cavity: Cavity,
-    /// Public number by kernel vertex; entry 0 stands for the vertex at infinity.
+    pub(crate) cavity: Cavity,
+    /// Public number by kernel vertex; entry 0 stands for the vertex at infinity. [`VACANT`] where
+    /// a vertex was removed.
     pub(crate) numbers: Vec<Vertex>,
+    /// The kernel vertices that were removed, last in first out.
+    pub(crate) vacant: Vec<VertexId>,
+    /// The memory of removals.
+    pub(crate) filling: Filling,
+    pub(crate) rim: Rim,
     pub(crate) duplicates: Vec<Duplicate>,
     mode: Mode,
     /// Number that the next inserted point gets.
@@ -109,7 +116,7 @@ pub struct Mesh {
     /// The start of the next walk.
     hint: TetId,
     /// Made as somebody asks for it.
-    numbering: OnceLock<Numbering>,
+    pub(crate) numbering: OnceLock<Numbering>,
 }
 
 /// A corner of the first tetrahedron.
@@ -148,7 +155,7 @@ impl Mesh {
         tets: usize,
     ) -> Self {
         let mut topology = Topology::with_capacity(tets);
-        let mut numbers = vec![Vertex::MAX];
+        let mut numbers = vec![VACANT];
         for Corner { p, number } in corners {
             geometry.push(p);
             numbers.push(number);
@@ -165,6 +172,9 @@ impl Mesh {
             geometry,
             cavity: Cavity::default(),
             numbers,
+            vacant: Vec::new(),
+            filling: Filling::default(),
+            rim: Rim::default(),
             duplicates: Vec::new(),
             mode,
             next_number: 0,
@@ -208,9 +218,12 @@ impl Mesh {
     /// Enters a vertex that no tetrahedron has yet.
     #[inline(always)]
     pub(crate) fn enter(&mut self, p: Point, number: Vertex) -> VertexId {
-        let v = VertexId::at(self.numbers.len());
+        let v = self.vacant.pop().unwrap_or(VertexId::at(self.numbers.len()));
         self.geometry.put_point(v, p);
-        self.numbers.push(number);
+        match self.numbers.get_mut(v.index()) {
+            Some(place) => *place = number,
+            None => self.numbers.push(number),
+        }
         if let Some(numbering) = self.numbering.get_mut()
             && !numbering.note(number, v)
         {
@@ -314,7 +327,7 @@ impl Mesh {
 
     /// Number of vertices: distinct points.
     pub fn num_vertices(&self) -> usize {
-        self.numbers.len() - 1
+        self.numbers.len() - 1 - self.vacant.len()
     }
 
     /// Number of finite tetrahedra.
@@ -332,6 +345,7 @@ impl Mesh {
         self.topology.memory_bytes()
             + self.geometry.memory_bytes()
             + self.numbers.capacity() * size_of::<Vertex>()
+            + self.vacant.capacity() * size_of::<VertexId>()
     }
 
     /// Predicate calls so far.
@@ -404,7 +418,9 @@ impl Mesh {
     /// All vertices with their coordinates, in no particular order.
     pub fn vertices(&self) -> impl Iterator<Item = (Vertex, Point)> + '_ {
         let points = self.geometry.points();
-        (1..self.numbers.len()).map(|v| (self.numbers[v], self.mode.from_kernel(points[v])))
+        let vertices = self.numbers.iter().zip(points).skip(1);
+        let there = vertices.filter(|&(&number, _)| number != VACANT);
+        there.map(|(&number, p)| (number, self.mode.from_kernel(*p)))
     }
 
     /// The duplicates, ascending.

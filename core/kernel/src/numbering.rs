@@ -2,6 +2,9 @@
 
 use crate::topology::{INFINITE, VertexId};
 
+/// In place of a number where there is no vertex. No point has it.
+pub(crate) const VACANT: u32 = u32::MAX;
+
 /// A point at the place of a vertex. It is stored as the pair of both numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -38,7 +41,8 @@ impl Numbering {
     /// The numbering of kernel vertices with `numbers`, of which the first stands for the vertex at
     /// infinity, and of `duplicates`.
     pub(crate) fn new(numbers: &[u32], duplicates: &[Duplicate]) -> Self {
-        let all = numbers.iter().skip(1).copied().chain(duplicates.iter().map(|d| d.number));
+        let there = numbers.iter().skip(1).copied().filter(|&number| number != VACANT);
+        let all = there.chain(duplicates.iter().map(|d| d.number));
         let count = all.max().map_or(0, |v| v as usize + 1);
         let used = numbers.len() + duplicates.len();
         if count > 4 * used + 1024 {
@@ -51,7 +55,7 @@ impl Numbering {
     /// `count` is above all numbers.
     fn dense(numbers: &[u32], duplicates: &[Duplicate], count: usize) -> Self {
         let mut kernel = vec![INFINITE; count];
-        for (v, &number) in (0..).map(VertexId::new).zip(numbers).skip(1) {
+        for (number, v) in vertices(numbers) {
             kernel[number as usize] = v;
         }
         for &Duplicate { number, kept } in duplicates {
@@ -61,8 +65,7 @@ impl Numbering {
     }
 
     fn sparse(numbers: &[u32], duplicates: &[Duplicate]) -> Self {
-        let vertices = (0..).map(VertexId::new).zip(numbers).skip(1);
-        let mut pairs: Vec<_> = vertices.map(|(v, &number)| (number, v)).collect();
+        let mut pairs: Vec<_> = vertices(numbers).collect();
         pairs.sort_unstable();
         let kept = Self::Sparse(pairs);
         let duplicates = duplicates.iter();
@@ -80,7 +83,7 @@ impl Numbering {
             Self::Dense(kernel) => kernel.get(v as usize).copied().filter(|&k| k != INFINITE),
             Self::Sparse(pairs) => {
                 let at = pairs.binary_search_by_key(&v, |pair| pair.0).ok()?;
-                pairs.get(at).map(|pair| pair.1)
+                pairs.get(at).map(|pair| pair.1).filter(|&k| k != INFINITE)
             }
         }
     }
@@ -97,10 +100,30 @@ impl Numbering {
         true
     }
 
+    /// Forgets the vertex of a number.
+    pub(crate) fn forget(&mut self, number: u32) {
+        let place = match self {
+            Self::Dense(kernel) => kernel.get_mut(number as usize),
+            Self::Sparse(pairs) => {
+                let at = pairs.binary_search_by_key(&number, |pair| pair.0);
+                at.ok().and_then(|at| pairs.get_mut(at)).map(|pair| &mut pair.1)
+            }
+        };
+        if let Some(place) = place {
+            *place = INFINITE;
+        }
+    }
+
     pub(crate) fn memory_bytes(&self) -> usize {
         match self {
             Self::Dense(kernel) => kernel.capacity() * size_of::<VertexId>(),
             Self::Sparse(pairs) => pairs.capacity() * size_of::<(u32, VertexId)>(),
         }
     }
+}
+
+/// Kernel vertices with their numbers.
+fn vertices(numbers: &[u32]) -> impl Iterator<Item = (u32, VertexId)> + '_ {
+    let all = numbers.iter().copied().zip((0..).map(VertexId::new)).skip(1);
+    all.filter(|&(number, _)| number != VACANT)
 }

@@ -130,6 +130,14 @@ impl Sphere {
         self.0.map(f32::to_bits)
     }
 
+    /// Is `q` certainly outside?
+    #[inline(always)]
+    pub(crate) fn is_outside(&self, q: &Query) -> bool {
+        let ([x, y, z, r], [qx, qy, qz, _]) = (self.0, q.0);
+        let (dx, dy, dz) = (qx - x, qy - y, qz - z);
+        dx * dx + dy * dy + dz * dz > (r + TOLERANCE) * (r + TOLERANCE)
+    }
+
     /// Is `q` certainly inside or outside?
     #[inline(always)]
     pub(crate) fn test(&self, q: &Query) -> Verdict {

@@ -5,6 +5,7 @@ mod canonical_hash;
 mod counts;
 mod kernel;
 mod query;
+mod remove;
 mod snapshot;
 mod stored_hash;
 mod submesh;

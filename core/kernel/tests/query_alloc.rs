@@ -1,7 +1,8 @@
-//! No query allocates once its cursor is warm: counted by a global allocator of our own.
+//! No query allocates once its cursor is warm, nor does a removal once the mesh is: counted by a
+//! global allocator of our own.
 
 use ltbw_core::query::{Conflicts, Cursor};
-use ltbw_core::{Builder, Vertex};
+use ltbw_core::{Builder, Inserted, Vertex};
 use ltbw_exact::{Point, PointSet};
 use ltbw_generate::{PointKind, generate};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -87,5 +88,30 @@ fn no_query_allocates_once_warm() {
         let fresh = ask_all(&mut queries.cursor(), &asked, set.len() as Vertex);
         assert_eq!(fresh, warm);
         assert!(CALLS.get() - before > 5);
+    }
+}
+
+/// Removals take no memory once stars of their size were met.
+#[test]
+fn a_removal_that_is_warm_allocates_nothing() {
+    for kind in [PointKind::Uniform, PointKind::Grid, PointKind::Shell] {
+        let set = PointSet::new(generate(kind, 2000, 1)).expect("finite points");
+        let mut mesh = Builder::new().build(&set).expect("a mesh").mesh;
+        let mut some: Vec<(Vertex, Point)> = mesh.vertices().step_by(3).collect();
+        let mut calls = [0; 3];
+        for calls in &mut calls {
+            let before = CALLS.with(Cell::get);
+            for &(v, _) in &some {
+                mesh.remove(v).expect("a vertex");
+            }
+            *calls = CALLS.with(Cell::get) - before;
+            for (v, p) in &mut some {
+                if let Ok(Inserted::Vertex(number)) = mesh.insert(*p) {
+                    *v = number;
+                }
+            }
+        }
+        assert!(calls[0] > 0, "{kind:?}: the first ones need memory");
+        assert_eq!(calls[2], 0, "{kind:?}: {calls:?}");
     }
 }

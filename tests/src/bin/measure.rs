@@ -1,5 +1,5 @@
-//! `measure bench [SET]...`, `measure bars` and `measure once SET`: our build against CGAL's, side
-//! by side.
+//! `measure bench [SET]...`, `measure bench removal`, `measure bars` and `measure once SET`: our
+//! build against CGAL's, side by side.
 //!
 //! Times are order plus insertion, input in memory, one thread each. Runs are interleaved in pairs
 //! (ours, CGAL's, ours, ...) so that a slow spell of the machine hits both, and the median of the
@@ -7,11 +7,13 @@
 //! build this with the release profile. Peak memory is that of a process of its own that holds the
 //! input and builds once (`measure once`); CGAL's is its server's.
 
+use ltbw::order::hilbert;
 use ltbw::{Builder, Order, PointSet};
 use ltbw_tests::cgal::{Ask, Cgal};
 use ltbw_tests::families::{Family, Size, all, more_speed, uniform, wide};
 use ltbw_tests::median;
 use std::process::{Command, ExitCode};
+use std::time::Instant;
 
 /// Pairs per set for a median.
 const PAIRS: usize = 7;
@@ -33,6 +35,10 @@ const LIMITS: [(&str, f64); 7] = [
 ];
 /// Largest peak memory of the uniform million, MiB.
 const MEMORY: f64 = 400.0 * 1e6 / 1_048_576.0;
+/// Removing may take this many times the time of inserting.
+const REMOVAL: f64 = 3.0;
+/// Uniform points of which half are removed and put back.
+const REMOVED: usize = 200_000;
 /// Time per point may grow by this factor from 100,000 to 4,000,000 uniform points.
 const GROWTH: f64 = 1.4;
 
@@ -42,6 +48,7 @@ fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let result = match args[..] {
+        ["bench", "removal"] => removal(),
         ["bench", ref names @ ..] => run(names, PAIRS, false),
         ["bars"] => run(&[], 1, true),
         ["once", name] => once(name),
@@ -84,7 +91,7 @@ fn run(names: &[&str], pairs: usize, hashes: bool) -> Result<bool, Failure> {
         met &= wide_hashes()?;
     }
     if names.is_empty() {
-        met &= growth()?;
+        met &= growth()? & removal()?;
     }
     println!(
         "\nltbw / CGAL: order + insert, one thread, median of pairs; TBB ratio: ours on one thread \
@@ -186,6 +193,41 @@ fn growth() -> Result<bool, Failure> {
         "\ntime per point at 4,000,000 / at 100,000 uniform points: {growth:.2}, limit {GROWTH}"
     );
     Ok(growth <= GROWTH)
+}
+
+/// The time of removing uniform points beside that of putting them back, and beside CGAL's; true if
+/// the bar is met.
+fn removal() -> Result<bool, Failure> {
+    let mut points = uniform(REMOVED, 1);
+    // The points that stay, then the others, each along the curve.
+    for half in points.chunks_mut(REMOVED / 2) {
+        let sorted: Vec<_> = hilbert(half).into_iter().map(|i| half[i as usize]).collect();
+        half.copy_from_slice(&sorted);
+    }
+    let set = PointSet::new(points.clone())?;
+    let mut cgal = Cgal::start()?;
+    let (mut times, mut against) = (Vec::new(), Vec::new());
+    for _ in 0..PAIRS {
+        let (_, mut mesh) = ours(&set)?;
+        let clock = Instant::now();
+        for v in REMOVED / 2..REMOVED {
+            mesh.remove(v as u32)?;
+        }
+        let removed = clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        for &p in &points[REMOVED / 2..] {
+            mesh.insert(p)?;
+        }
+        times.push(removed / clock.elapsed().as_secs_f64());
+        let theirs = cgal.ask(&points, Ask { remove: true, ..Ask::default() })?;
+        against.push(removed / theirs.seconds);
+    }
+    let (times, against) = (median(&mut times), median(&mut against));
+    println!(
+        "\nremoving half of {REMOVED} uniform points / putting them back: {times:.2}, limit \
+         {REMOVAL}; / CGAL's removing: {against:.2}"
+    );
+    Ok(times <= REMOVAL)
 }
 
 /// Peak memory, in MiB, of a process that holds the set and builds its mesh.

@@ -9,9 +9,10 @@ use crate::compare::{canonical, compare_with};
 use crate::families::{Rng, snap, two_to};
 use crate::oracle::{self, brute_force, exact};
 use arbitrary::Unstructured;
+use ltbw::invariants::check_all;
 use ltbw::query::{Conflicts, Location};
 use ltbw::topology::Topology;
-use ltbw::{Builder, InsertError, Mesh, Order, Point, PointSet};
+use ltbw::{Builder, InsertError, Inserted, Mesh, Order, Point, PointSet, RemoveError};
 use ltbw_verify::Options;
 use std::sync::PoisonError;
 
@@ -62,7 +63,7 @@ impl Plan {
     }
 }
 
-/// Builds the points of `bytes` in three orders and lets a mesh grow; compares everything.
+/// Builds the points of `bytes` in three orders, lets a mesh grow and shrink; compares everything.
 ///
 /// # Panics
 /// If the mesh depends on the order of insertion, on refusals or on queries, if it fails the
@@ -79,6 +80,7 @@ pub fn triangulate(bytes: &[u8]) {
             shuffled(&plan, &brio.mesh);
             certify(&set, &brio.mesh);
             live(&plan, &brio.mesh);
+            removed(&plan, input.mesh);
             if points.len() <= FEW {
                 let tets: Vec<[u32; 4]> = brio.mesh.tets().collect();
                 assert_eq!(canonical(&tets), brute_force(points), "{points:?}");
@@ -141,6 +143,46 @@ fn live(plan: &Plan, whole: &Mesh) {
         assert!(gone.into_iter().eq(&doomed), "the region of {p:?} foretells: {points:?}");
     }
     assert_eq!(mesh.hash(), whole.hash(), "inserted one by one: {points:?}");
+}
+
+/// Vertices are removed and put back, in an order of chance. The mesh is always that of the points
+/// that are there, and what would have no mesh is refused without a trace.
+fn removed(plan: &Plan, mut mesh: Mesh) {
+    let mut rng = Rng::new(plan.seed ^ plan.refuse as u64);
+    let mut there: Vec<(u32, Point)> = mesh.vertices().collect();
+    let mut gone: Vec<Point> = Vec::new();
+    for step in 0..2 * LIVE {
+        // Rather removed than put back, so that few are left now and then.
+        let back = !gone.is_empty() && rng.below(3) == 0;
+        if back {
+            let p = gone.swap_remove(rng.below(gone.len() as u64) as usize);
+            match mesh.insert(p) {
+                Ok(Inserted::Vertex(v)) => there.push((v, p)),
+                other => panic!("put back, {other:?}: {p:?}"),
+            }
+        } else {
+            let k = rng.below(there.len() as u64) as usize;
+            let (v, p) = there.swap_remove(k);
+            let before = fingerprint(&mesh);
+            match mesh.remove(v) {
+                Ok(()) => gone.push(p),
+                Err(RemoveError::Flat { .. }) => {
+                    assert!(fingerprint(&mesh) == before, "the removal of {p:?} left a trace");
+                    let left = there.iter().map(|v| v.1).collect();
+                    let set = PointSet::new(left).expect("finite points");
+                    assert!(Builder::new().build(&set).is_err(), "{p:?} may go: {there:?}");
+                    there.push((v, p));
+                }
+                Err(error) => panic!("{error}: {p:?}: {there:?}"),
+            }
+        }
+        let set = PointSet::new(there.iter().map(|v| v.1).collect()).expect("finite points");
+        let built = Builder::new().build(&set).unwrap_or_else(|error| panic!("{error}: {there:?}"));
+        assert_eq!(mesh.hash(), built.mesh.hash(), "step {step}: {there:?}");
+        if step % 8 == 7 {
+            check_all(&mesh).unwrap_or_else(|defect| panic!("{defect}: {there:?}"));
+        }
+    }
 }
 
 /// Everything of a mesh that an insertion could change.

@@ -49,7 +49,7 @@ def _threads(threads):
     return _input.whole(threads, "threads", "threads.count", 1, 4096)
 
 
-def delaunay(points, threads=1, *, progress=None):
+def delaunay(points, threads=1, *, without=(), progress=None):
     """The Delaunay mesh of points, exact for any input.
 
     Parameters
@@ -59,6 +59,9 @@ def delaunay(points, threads=1, *, progress=None):
         or a meshio mesh. Duplicates are allowed: the first of them is the vertex.
     threads : int
         Threads to work with; the mesh is the same for any number.
+    without : array_like of int, optional
+        Numbers of points to remove from the mesh, which is that of the others then. ``points`` and
+        numbers stay: those removed are in no tetrahedron. Duplicates go with their vertex.
     progress : callable, optional
         ``progress(done, total)`` is called some twenty times a second; ``total`` is None where it is
         not known. An exception ends the work and comes back; ``False`` ends it and keeps the
@@ -72,15 +75,17 @@ def delaunay(points, threads=1, *, progress=None):
     Raises
     ------
     InputError
-        Points that are not finite (``ids`` has the first), or do not span space.
+        Points that are not finite (``ids`` has the first), or do not span space; numbers that are
+        no point's, or without which there is no mesh.
 
     >>> import ltbw
     >>> ltbw.delaunay([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).simplices.shape
     (1, 4)
     """
     array = _input.places(points)
+    without = _input.numbers(without, "without", "without.type")
     progress = _input.function(progress, "progress")
-    kernel, notes = _native.delaunay(array, _threads(threads), progress)
+    kernel, notes = _native.delaunay(array, without, _threads(threads), progress)
     return Mesh(kernel, notes=notes)
 
 

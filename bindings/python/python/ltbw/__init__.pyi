@@ -63,7 +63,11 @@ Progress = Callable[[int, int | None], Any]
 Region = tuple[Sequence[float], float] | tuple[Sequence[float], float, float | None]
 
 def delaunay(
-    points: Any, threads: int = ..., *, progress: Progress | None = ...
+    points: Any,
+    threads: int = ...,
+    *,
+    without: ArrayLike = ...,
+    progress: Progress | None = ...,
 ) -> Mesh: ...
 def tetrahedralize(
     surface: Any,

@@ -66,6 +66,19 @@ def whole(given, what, code, least, most):
         raise InputError(text, code) from None
 
 
+def numbers(given, what, code):
+    """A list of numbers of points."""
+    array = np.asarray(given)
+    if array.size == 0:
+        return []
+    if array.ndim != 1 or array.dtype.kind not in "iu":
+        text = f"{what}: a list of whole numbers is wanted, not {array.dtype} of shape {array.shape}"
+        raise InputError(text, code)
+    if not 0 <= int(array.min()) <= int(array.max()) < 2**32:
+        raise InputError(f"{what}: numbers from 0 on are wanted", "without.unknown")
+    return array.tolist()
+
+
 def truth(given, what):
     """A bool, Python's or numpy's."""
     if isinstance(given, (bool, np.bool_)):

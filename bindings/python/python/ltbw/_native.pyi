@@ -28,7 +28,7 @@ class Kernel:
 
 def read_points(path: str) -> NDArray[np.float64]: ...
 def delaunay(
-    given: NDArray[np.float64], threads: int, progress: Progress
+    given: NDArray[np.float64], without: list[int], threads: int, progress: Progress
 ) -> tuple[Kernel, list[str]]: ...
 def tetrahedralize(
     source: Any, wishes: dict[str, Any], progress: Progress

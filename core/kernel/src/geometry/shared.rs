@@ -59,6 +59,6 @@ impl Conflict for SharedConflict<'_> {
     #[cold]
     fn in_conflict(&mut self, topology: &Topology, t: TetId) -> bool {
         let p = self.p;
-        self.predicates().in_conflict(topology, t, &p)
+        self.predicates().in_conflict(topology.tet(t).vertices(), &p)
     }
 }

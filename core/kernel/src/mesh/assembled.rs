@@ -4,7 +4,8 @@ use super::{Duplicate, Mesh, Vertex};
 use crate::PredicateStats;
 use crate::arena::Arena;
 use crate::cavity::Cavity;
-use crate::geometry::Geometry;
+use crate::cavity::hole::Filling;
+use crate::geometry::{Geometry, Rim};
 use crate::topology::{INFINITE, TetId, Topology, VertexId};
 use ltbw_exact::{Mode, Point};
 use std::sync::OnceLock;
@@ -70,6 +71,9 @@ impl Mesh {
             geometry,
             cavity: Cavity::for_vertices(vertices),
             numbers,
+            vacant: Vec::new(),
+            filling: Filling::default(),
+            rim: Rim::default(),
             duplicates: Vec::new(),
             mode,
             next_number: count as Vertex,

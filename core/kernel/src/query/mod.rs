@@ -99,7 +99,7 @@ impl Mesh {
 pub struct Queries<'m> {
     mesh: &'m Mesh,
     kernel: &'m Numbering,
-    /// A finite tetrahedron at each kernel vertex; entry 0 is not used.
+    /// A finite tetrahedron at each kernel vertex; that of entry 0 has any.
     incident: Vec<TetId>,
 }
 
@@ -107,7 +107,7 @@ impl<'m> Queries<'m> {
     fn new(mesh: &'m Mesh) -> Self {
         let mut incident = vec![TetId::default(); mesh.numbers.len()];
         for (t, tet) in mesh.topology.iter().filter(|(_, tet)| !tet.is_ghost()) {
-            for v in tet.vertices() {
+            for v in [INFINITE].into_iter().chain(tet.vertices()) {
                 incident[v.index()] = t;
             }
         }
@@ -125,7 +125,7 @@ impl<'m> Queries<'m> {
     pub fn cursor(&self) -> Cursor<'_> {
         Cursor {
             queries: self,
-            hint: self.incident.get(1).copied().unwrap_or_default(),
+            hint: self.incident.first().copied().unwrap_or_default(),
             scratch: Scratch::default(),
         }
     }

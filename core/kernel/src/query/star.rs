@@ -2,6 +2,7 @@
 
 use super::{Cursor, Queries};
 use crate::mesh::{Mesh, Vertex};
+use crate::numbering::VACANT;
 use crate::topology::{INFINITE, TetId, VertexId, tet_of};
 
 impl<'q> Cursor<'q> {
@@ -161,7 +162,11 @@ impl Iterator for Edges<'_, '_> {
             }
             self.v = VertexId::at(next);
             self.next = 0;
-            self.cursor.find_ring(self.v);
+            if queries.mesh.numbers[next] == VACANT {
+                self.cursor.scratch.ring.clear();
+            } else {
+                self.cursor.find_ring(self.v);
+            }
         }
     }
 }
