@@ -1,5 +1,6 @@
 //! The glue to the checker's test of conformity: `check --plc`, and the check of our own meshes.
 
+use crate::angles;
 use crate::args::Check;
 use crate::bounds::Asked;
 use crate::console;
@@ -47,6 +48,7 @@ pub(crate) fn check(
         radius_edge: args.radius_edge,
         max_volume: args.max_volume,
         region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
+        min_dihedral: args.min_dihedral,
     };
     let order = match args.any_order {
         true => verify::VertexOrder::Any,
@@ -66,9 +68,13 @@ pub(crate) fn check(
         write_json(path, &(text + "\n"))?;
     }
     print(&mut found);
+    let small = found.below_dihedral.as_ref();
+    small.iter().for_each(|small| console::people(&angles::line(small, &inside)));
     if word == Verdict::Passed {
         console::people(&format!("checked   {}", summary(&found)));
-        return Ok(Exit::Done);
+        let failure = small.and_then(angles::failure);
+        failure.iter().for_each(|why| console::people(&format!("ltbw: {name}: {why}")));
+        return Ok(if failure.is_some() { Exit::Defect } else { Exit::Done });
     }
     if !same {
         console::people("defect    the mesh has not the volume of the domain");
@@ -89,6 +95,7 @@ pub(crate) fn check_own(
         radius_edge: asked.radius_edge,
         max_volume: asked.max_volume,
         region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
+        min_dihedral: None,
     };
     let mesh = verify::Mesh::new(&inside.points, &inside.tets);
     let plc = plc_of(ready.judged(), refined.stats.flat_tolerance);
@@ -179,7 +186,7 @@ pub(crate) fn certificate(found: &Conformity, same_volume: bool, verdict: Verdic
         .iter()
         .map(|(breach, count)| json!({ "breach": breach, "count": count }))
         .collect();
-    json!({
+    let mut certificate = json!({
         "schema": "ltbw.conformity/1",
         "checker": concat!("ltbw-verify ", env!("CARGO_PKG_VERSION")),
         "passed": verdict == Verdict::Passed,
@@ -196,5 +203,9 @@ pub(crate) fn certificate(found: &Conformity, same_volume: bool, verdict: Verdic
         "breaches": breaches,
         "mesh_defect_count": found.mesh_defect_count,
         "mesh_defects": found.mesh_defects,
-    })
+    });
+    if let Some(small) = &found.below_dihedral {
+        certificate["below_dihedral"] = json!(small);
+    }
+    certificate
 }
