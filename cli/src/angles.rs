@@ -13,7 +13,7 @@ pub(crate) fn degrees(text: &str) -> Result<f64, String> {
     good.then_some(value).ok_or_else(|| "an angle above 0 and of at most 90 degrees".to_owned())
 }
 
-/// How many tetrahedra are below, the first of them, and where the least angle is.
+/// The number of tetrahedra below, the first of them, and the place of the least angle.
 pub(crate) fn line(found: &SmallAngles, mesh: &TetMesh) -> String {
     let first: Vec<String> = found.tets.iter().take(SHOWN).map(u32::to_string).collect();
     let more = if found.count > SHOWN as u64 { ", ..." } else { "" };

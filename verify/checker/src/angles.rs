@@ -112,7 +112,7 @@ impl Found {
         self
     }
 
-    /// What is told of them.
+    /// The report on them.
     pub(crate) fn under(self, degrees: f64) -> SmallAngles {
         let least = self.largest.map(|(cotangent, tet)| {
             let value = 1f64.atan2(cotangent).to_degrees();

@@ -32,12 +32,12 @@ pub fn has_dihedral_below(corners: [&Point; 4], cos2: f64) -> bool {
 
 /// Is the dihedral angle at the edge between the first two corners below the bound?
 ///
-/// What the filter finds may be the supplement of the angle: then the product p·q of the normals is
-/// negative. Its rounded sign is the right one here. The bound that the filter's value exceeds is at
-/// least 3360u m⁸, m being the largest difference, and what is subtracted from the square of p·q is
-/// not negative: |p·q| as the filter computes it exceeds √(3360u) m⁴, which is more than 2^-21 m⁴. A
-/// component of p or q is at most 2m² with an error of 8u m², a product of two then 4m⁴ with 36u m⁴,
-/// and their sum has an error below 129u m⁴, higher powers of u included: less than 2^-45 m⁴.
+/// A positive filter may mean the supplement of the angle: then the product p·q of the normals is
+/// negative. Its rounded sign is the right one here. The bound that the filter's value exceeds is
+/// at least 3360u m⁸, m being the largest difference, and what is subtracted from the square of p·q
+/// is not negative: |p·q| as the filter computes it exceeds √(3360u) m⁴, more than 2^-21 m⁴. A
+/// component of p or q is at most 2m² with an error of 8u m², a product of two 4m⁴ with 36u m⁴, and
+/// their sum has an error below 129u m⁴, higher powers of u included: less than 2^-45 m⁴.
 #[inline(always)]
 fn is_below([a, b, c, d]: [&Point; 4], cos2: f64) -> bool {
     match filter::below_dihedral_any(a, b, c, d, cos2) {
