@@ -1,5 +1,6 @@
 //! The command line and its help.
 
+use crate::angles::degrees;
 use crate::lenience::Lenience;
 use crate::numbers::whole;
 use crate::progress::Show;
@@ -84,6 +85,7 @@ Examples:
   ltbw check mesh.vtu                      verdict and first defects, on stderr
   ltbw check mesh.vtu --delaunay           is it Delaunay and convex, too?
   ltbw check mesh.vtu --plc domain.poly    does it conform to the domain?
+  ltbw check mesh.vtu --min-dihedral 10    has a tetrahedron an angle below 10 degrees?
   ltbw check mesh.ele --json cert.json     the certificate ltbw.cert/1, with every defect's place
   ltbw check mesh.vtu --certificate r.json --input domain.poly    is it what r.json certifies?
   ltbw check domain.stl                    a domain: .poly .smesh .off .obj .stl .ply .vtk
@@ -367,6 +369,15 @@ pub(crate) struct Check {
     /// With --plc: no volume may exceed this
     #[arg(long, value_name = "A", requires = "plc")]
     pub(crate) max_volume: Option<f64>,
+    /// No dihedral angle may be below this many degrees: above 0, at most 90
+    #[arg(
+        long,
+        value_name = "D",
+        value_parser = degrees,
+        allow_negative_numbers = true,
+        conflicts_with = "certificate"
+    )]
+    pub(crate) min_dihedral: Option<f64>,
     /// Compare the mesh with the one that this report of `mesh` or `delaunay` certifies
     #[arg(long, value_name = "REPORT", conflicts_with_all = ["plc", "json"])]
     pub(crate) certificate: Option<PathBuf>,

@@ -1,5 +1,6 @@
 //! The glue to the checker: `check`, and the check of our own output.
 
+use crate::angles;
 use crate::args::{Check, Depth};
 use crate::certificate;
 use crate::conform;
@@ -34,6 +35,9 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
         if args.delaunay {
             return Err(Failure::Usage("--delaunay is about meshes".to_owned()));
         }
+        if args.min_dihedral.is_some() {
+            return Err(Failure::Usage("--min-dihedral is about meshes".to_owned()));
+        }
         return domain::check(args, &source);
     }
     if let Some(report) = &args.certificate {
@@ -61,14 +65,17 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     let order = if args.any_order { VertexOrder::Any } else { VertexOrder::Oriented };
     let options = verify::Options { vertex_order: order, ..verify::Options::default() };
     let stage = Stage::begin("check");
-    let report = verify::check_elements(&verify::Mesh::new(points, tets), &options, args.delaunay);
+    let mesh = verify::Mesh::new(points, tets);
+    let report = verify::check_elements(&mesh, &options, args.delaunay);
+    let small = args.min_dihedral.map(|d| verify::small_angles(&mesh, d, options.max_defects));
     let quality = Quality::of(points, tets);
     drop(stage);
     if let Some(path) = &args.json {
-        let text = elements::json(&report, quality.as_ref());
+        let text = elements::json(&report, quality.as_ref(), small.as_ref());
         write_json(path, &(text.map_err(|e| Failure::Other(e.to_string()))? + "\n"))?;
     }
     elements::tell(&report, &file.mesh, quality.as_ref());
+    small.iter().for_each(|small| console::people(&angles::line(small, &file.mesh)));
     print_defects(&report, Some(args.any_order));
     if is_of_a_domain(&report) {
         console::people(
@@ -88,7 +95,9 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
         verify::Hash::None(why) => console::people(&format!("note: no hash: {why}")),
         _ => {}
     }
-    Ok(Exit::Done)
+    let failure = small.as_ref().and_then(angles::failure);
+    failure.iter().for_each(|why| console::people(&format!("ltbw: {name}: {why}")));
+    Ok(if failure.is_some() { Exit::Defect } else { Exit::Done })
 }
 
 /// Does a cell of the file name a point that is not there?

@@ -1,5 +1,6 @@
 //! The glue to the checker's test of conformity: `check --plc`, and the check of our own meshes.
 
+use crate::angles;
 use crate::args::Check;
 use crate::bounds::Asked;
 use crate::console;
@@ -9,7 +10,7 @@ use crate::plc::plc_of;
 use crate::progress::Stage;
 use crate::streams::{Formats, Source};
 use ltbw::domain::Prepared;
-use ltbw::refine::{Refined, Verdict};
+use ltbw::refine::{RefineOutcome, Refined, Verdict};
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
 use serde_json::{Value, json};
@@ -47,6 +48,7 @@ pub(crate) fn check(
         radius_edge: args.radius_edge,
         max_volume: args.max_volume,
         region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
+        min_dihedral: args.min_dihedral,
     };
     let order = match args.any_order {
         true => verify::VertexOrder::Any,
@@ -66,15 +68,31 @@ pub(crate) fn check(
         write_json(path, &(text + "\n"))?;
     }
     print(&mut found);
+    let small = found.below_dihedral.as_ref();
+    small.iter().for_each(|small| console::people(&angles::line(small, &inside)));
     if word == Verdict::Passed {
         console::people(&format!("checked   {}", summary(&found)));
-        return Ok(Exit::Done);
+        let failure = small.and_then(angles::failure);
+        failure.iter().for_each(|why| console::people(&format!("ltbw: {name}: {why}")));
+        return Ok(if failure.is_some() { Exit::Defect } else { Exit::Done });
     }
     if !same {
         console::people("defect    the mesh has not the volume of the domain");
     }
     console::people(&format!("ltbw: {name}: does not conform to {}", domain.show()));
     Ok(Exit::Defect)
+}
+
+/// The degrees below which slivers were looked for, if they were.
+fn looked_for(refined: &Refined) -> Option<f64> {
+    let degrees = refined.stats.min_dihedral;
+    (degrees > 0.0 && refined.outcome != RefineOutcome::Cancelled).then_some(degrees)
+}
+
+/// Are the slivers that are told as many as the checker counts?
+pub(crate) fn tells_all_slivers(refined: &Refined, found: &Conformity) -> bool {
+    let told = refined.slivers.len() as u64;
+    found.below_dihedral.as_ref().is_none_or(|small| small.count == told)
 }
 
 /// Checks the mesh; lists as many breaches of each kind as there are excuses, or more.
@@ -89,6 +107,7 @@ pub(crate) fn check_own(
         radius_edge: asked.radius_edge,
         max_volume: asked.max_volume,
         region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
+        min_dihedral: looked_for(refined),
     };
     let mesh = verify::Mesh::new(&inside.points, &inside.tets);
     let plc = plc_of(ready.judged(), refined.stats.flat_tolerance);
@@ -179,7 +198,7 @@ pub(crate) fn certificate(found: &Conformity, same_volume: bool, verdict: Verdic
         .iter()
         .map(|(breach, count)| json!({ "breach": breach, "count": count }))
         .collect();
-    json!({
+    let mut certificate = json!({
         "schema": "ltbw.conformity/1",
         "checker": concat!("ltbw-verify ", env!("CARGO_PKG_VERSION")),
         "passed": verdict == Verdict::Passed,
@@ -196,5 +215,9 @@ pub(crate) fn certificate(found: &Conformity, same_volume: bool, verdict: Verdic
         "breaches": breaches,
         "mesh_defect_count": found.mesh_defect_count,
         "mesh_defects": found.mesh_defects,
-    })
+    });
+    if let Some(small) = &found.below_dihedral {
+        certificate["below_dihedral"] = json!(small);
+    }
+    certificate
 }

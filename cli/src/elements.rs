@@ -1,5 +1,6 @@
 //! Information of `check` on a mesh beside its defects: quality, pieces, shape.
 
+use crate::angles::centre;
 use crate::console;
 use crate::report::{quality_json, quality_line};
 use ltbw::TetMesh;
@@ -7,7 +8,7 @@ use ltbw::quality::Quality;
 use ltbw_verify as verify;
 use serde::Serialize;
 use serde_json::Value;
-use verify::{Certificate, Information, Kind, Report};
+use verify::{Certificate, Information, Kind, Report, SmallAngles};
 
 /// The certificate with the quality of the mesh.
 #[derive(Serialize)]
@@ -15,12 +16,18 @@ struct Told<'a> {
     #[serde(flatten)]
     certificate: Certificate<'a>,
     quality: Option<Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below_dihedral: Option<&'a SmallAngles>,
 }
 
 /// The JSON of a check.
-pub(crate) fn json(report: &Report, quality: Option<&Quality>) -> serde_json::Result<String> {
-    let quality = quality.map(quality_json);
-    serde_json::to_string_pretty(&Told { certificate: report.certificate(), quality })
+pub(crate) fn json(
+    report: &Report,
+    quality: Option<&Quality>,
+    below_dihedral: Option<&SmallAngles>,
+) -> serde_json::Result<String> {
+    let (certificate, quality) = (report.certificate(), quality.map(quality_json));
+    serde_json::to_string_pretty(&Told { certificate, quality, below_dihedral })
 }
 
 /// Tells what is no defect.
@@ -74,10 +81,6 @@ fn place(information: &Information, kind: Kind) -> String {
 /// The figures of quality, as `mesh` prints them, and where the worst are.
 fn measures(quality: &Quality, mesh: &TetMesh) -> Vec<String> {
     let (angle, volume) = (quality.dihedral.least, &quality.volume);
-    let centre = mesh.tets.get(angle.tet).map(|tet| {
-        let corner = |&v: &u32| mesh.points.get(v as usize).copied().unwrap_or_default();
-        [0, 1, 2].map(|k| tet.iter().map(|v| corner(v)[k] / 4.0).sum::<f64>())
-    });
     let [below_1, below_5] = quality.small;
     vec![
         quality_line(quality),
@@ -85,7 +88,7 @@ fn measures(quality: &Quality, mesh: &TetMesh) -> Vec<String> {
             "          least dihedral {:.4e} degrees in tetrahedron {}, around {:?}",
             angle.value,
             angle.tet,
-            centre.unwrap_or_default()
+            centre(mesh, angle.tet)
         ),
         format!("          below 1 degree: {below_1} tetrahedra, below 5 degrees: {below_5}"),
         format!(

@@ -41,7 +41,7 @@ fn exits(command: &str) -> &'static [(usize, &'static str)] {
         ],
         "check" => &[
             (0, "no defect"),
-            (1, "a defect in the file"),
+            (1, "a defect in the file, or an angle below --min-dihedral"),
             (2, ""),
             (3, "the file cannot be read"),
             (4, "stopped (Ctrl-C)"),

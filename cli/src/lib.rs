@@ -36,6 +36,7 @@
 //! understanding of a command line.
 #![forbid(unsafe_code)]
 
+mod angles;
 mod args;
 mod binding;
 mod bounds;

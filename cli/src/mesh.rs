@@ -2,7 +2,7 @@
 
 use crate::args::{Depth, MeshArgs};
 use crate::bounds::{Asked, Field, asked, binding, field};
-use crate::conform::{certificate, check_own, print, same_volume, summary};
+use crate::conform::{certificate, check_own, print, same_volume, summary, tells_all_slivers};
 use crate::console::{self, Stop};
 use crate::excused;
 use crate::explained::{excused, is_explained};
@@ -202,9 +202,14 @@ fn check(
     let mut found = check_own(inside, ready, job.asked, refined, excused.len());
     drop(stage);
     let same = same_volume(ready, &found);
-    let explained = is_explained(&found, inside, &excused) && same;
+    let all_told = tells_all_slivers(refined, &found);
+    if !all_told {
+        console::people("defect    other tetrahedra have small dihedral angles than those told");
+    }
+    let explained = is_explained(&found, inside, &excused) && same && all_told;
     let share = refined.excused_share();
-    let word = Verdict::of(found.passed() && same, explained, &share, job.excused_share);
+    let word =
+        Verdict::of(found.passed() && same && all_told, explained, &share, job.excused_share);
     let mut own = certificate(&found, same, word);
     job.task.binding.bind(&mut own, report.mesh.hash.as_deref().unwrap_or_default());
     report.certificate = Some(own);

@@ -1,6 +1,7 @@
 //! The tests of the program, run as its users run it: one program, a module a subject.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+mod angles;
 mod certificate;
 mod common;
 mod domain;

@@ -30,13 +30,13 @@ const COLUMNS: usize = 100;
 /// Circles between modules that are still there: folder, modules, why.
 const CIRCLES: &[(&str, &[&str], &str)] = &[];
 
-/// Files that are still too long.
-const LONG_FILES: &[&str] = &[];
+/// Files that are too long: generated from short descriptions, for nobody to edit.
+const LONG_FILES: &[&str] = &["core/exact/src/predicates/filter/generated.rs"];
 
 /// Lines of code that a reader of a part may have before him, at most: the kernel's auditor, and
 /// whoever ports the protocol. Folders, the file that neither reads, the number.
 const SIZES: &[(&[&str], &str, usize)] = &[
-    (&["core/exact", "core/kernel"], "", 8_300),
+    (&["core/exact", "core/kernel"], "core/exact/src/predicates/dihedral.rs", 8_350),
     (&["parallel/src/protocol"], "parallel/src/protocol/variants.rs", 1_845),
 ];
 

@@ -193,6 +193,25 @@ Theorem exceeds_volume_means c : exact_value exceeds_volume c
   = orientation (point c 0) (point c 1) (point c 2) (point c 3) - 6 * c 12%nat.
 Proof. expand. ring. Qed.
 
+(* With s and t the lengths of the normals of the faces at ab, and x the cosine of the angle between
+   them, the dihedral one at ab: a multiple of x^2 - cos2. *)
+Theorem below_dihedral_means c s t x :
+  let a := point c 0 in let b := point c 1 in let d := point c 2 in let e := point c 3 in
+  let p := cross (minus b a) (minus d a) in let q := cross (minus b a) (minus e a) in
+  let cos2 := c 12%nat in
+  norm2 p = s * s -> norm2 q = t * t -> dot p q = s * t * x ->
+  exact_value below_dihedral c = (s * t) * (s * t) * (x * x - cos2).
+Proof.
+  intros a b d e p q cos2 P Q D.
+  assert (F : forall g, cross (minus b a) (minus g a) = cross (minus a b) (minus a g)).
+  { intros g. destruct a as [[ax ay] az], b as [[bx by_] bz], g as [[gx gy] gz].
+    expand. f_equal; [f_equal|]; ring. }
+  assert (E : exact_value below_dihedral c
+    = let m := cross (minus a b) (minus a d) in let n := cross (minus a b) (minus a e) in
+      dot m n * dot m n - cos2 * (norm2 m * norm2 n)) by reflexivity.
+  rewrite E. rewrite <- !F. fold p q. cbv zeta. rewrite P, Q, D. ring.
+Qed.
+
 (* A sign that the comparison with the bound gives is that of the exact value. *)
 Definition certain (computed bound exact : R) : Prop :=
   (bound < computed -> 0 < exact) /\ (bound < - computed -> exact < 0).
@@ -330,6 +349,13 @@ Theorem exceeds_volume_any_correct c : guarded exceeds_volume c ->
   /\ no_overflow exceeds_volume c.
 Proof.
   intros [C G]. destruct (guard_sound exceeds_volume c exceeds_volume_guard C G) as [E N].
+  split; [now apply certain_by|exact N].
+Qed.
+Theorem below_dihedral_any_correct c : guarded below_dihedral c ->
+  certain (fl_value below_dihedral c) (fl_bound below_dihedral c) (exact_value below_dihedral c)
+  /\ no_overflow below_dihedral c.
+Proof.
+  intros [C G]. destruct (guard_sound below_dihedral c below_dihedral_guard C G) as [E N].
   split; [now apply certain_by|exact N].
 Qed.
 

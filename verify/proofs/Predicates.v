@@ -284,3 +284,41 @@ Definition exceeds_volume : filter := {|
 |}.
 Lemma exceeds_volume_guard : check_guard exceeds_volume = true.
 Proof. vm_compute. reflexivity. Qed.
+
+(* below_dihedral *)
+Definition below_dihedral_px : expr :=
+  (Sub (Mul (D 1 1) (D 5 1)) (Mul (D 2 1) (D 4 1))).
+Definition below_dihedral_py : expr :=
+  (Sub (Mul (D 2 1) (D 3 1)) (Mul (D 0 1) (D 5 1))).
+Definition below_dihedral_pz : expr :=
+  (Sub (Mul (D 0 1) (D 4 1)) (Mul (D 1 1) (D 3 1))).
+Definition below_dihedral_qx : expr :=
+  (Sub (Mul (D 1 1) (D 8 1)) (Mul (D 2 1) (D 7 1))).
+Definition below_dihedral_qy : expr :=
+  (Sub (Mul (D 2 1) (D 6 1)) (Mul (D 0 1) (D 8 1))).
+Definition below_dihedral_qz : expr :=
+  (Sub (Mul (D 0 1) (D 7 1)) (Mul (D 1 1) (D 6 1))).
+Definition below_dihedral_pp : expr :=
+  (Add (Add (Mul below_dihedral_px below_dihedral_px) (Mul below_dihedral_py below_dihedral_py)) (Mul below_dihedral_pz below_dihedral_pz)).
+Definition below_dihedral_qq : expr :=
+  (Add (Add (Mul below_dihedral_qx below_dihedral_qx) (Mul below_dihedral_qy below_dihedral_qy)) (Mul below_dihedral_qz below_dihedral_qz)).
+Definition below_dihedral_pq : expr :=
+  (Add (Add (Mul below_dihedral_px below_dihedral_qx) (Mul below_dihedral_py below_dihedral_qy)) (Mul below_dihedral_pz below_dihedral_qz)).
+Definition below_dihedral_value : expr :=
+  (Sub (Mul below_dihedral_pq below_dihedral_pq) (Mul (X 9 2) (Mul below_dihedral_pp below_dihedral_qq))).
+Definition below_dihedral_bound_m2 : expr :=
+  (Mul (X 1 1) (X 1 1)).
+Definition below_dihedral_bound_m4 : expr :=
+  (Mul below_dihedral_bound_m2 below_dihedral_bound_m2).
+Definition below_dihedral_bound_bound : expr :=
+  (Mul (Add (K 53761 57) (Mul (K 56065 57) (X 2 2))) (Mul below_dihedral_bound_m4 below_dihedral_bound_m4)).
+Definition below_dihedral : filter := {|
+  value := below_dihedral_value;
+  bound := below_dihedral_bound_bound;
+  leaf_list := [Diff 0 3; Diff 1 4; Diff 2 5; Diff 0 6; Diff 1 7; Diff 2 8; Diff 0 9; Diff 1 10; Diff 2 11; Param 12];
+  extents := [[]; [0; 1; 2; 3; 4; 5; 6; 7; 8]; [9]];
+  lows := [0; -100; -20]%Z;
+  highs := [0; 100; 20]%Z
+|}.
+Lemma below_dihedral_guard : check_guard below_dihedral = true.
+Proof. vm_compute. reflexivity. Qed.

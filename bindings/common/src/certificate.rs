@@ -84,7 +84,7 @@ fn conformity(
 ) -> (Conformity, bool) {
     let Wishes { radius_edge, max_volume, .. } = *wishes;
     let region_volumes = ready.domain.regions.iter().map(|r| r.max_volume).collect();
-    let limits = Limits { radius_edge, max_volume, region_volumes };
+    let limits = Limits { radius_edge, max_volume, region_volumes, min_dihedral: None };
     let (plc, tags) = (plc_of(ready.judged(), flat_tolerance), mesh.tet_tags.as_deref());
     let given = verify::Mesh::new(&mesh.points, &mesh.tets);
     let found = verify::conforms(&given, &plc, tags, &limits, options);

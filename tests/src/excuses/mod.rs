@@ -138,7 +138,7 @@ impl std::fmt::Display for Count {
 #[must_use]
 pub fn limits(domain: &Domain, radius_edge: Option<f64>, max_volume: Option<f64>) -> Limits {
     let region_volumes = domain.regions.iter().map(|region| region.max_volume).collect();
-    Limits { radius_edge, max_volume, region_volumes }
+    Limits { radius_edge, max_volume, region_volumes, min_dihedral: None }
 }
 
 /// Has the checker judge a mesh without its exterior, and counts what is over a bound; `tolerance`

@@ -86,7 +86,10 @@ fn in_window(points: &[&Point]) -> bool {
 }
 
 /// Differences of `points` to `origin` as big integers of one common power of two.
-fn big_differences<const N: usize>(points: [&Point; N], origin: &Point) -> [[BigInt; 3]; N] {
+pub(crate) fn big_differences<const N: usize>(
+    points: [&Point; N],
+    origin: &Point,
+) -> [[BigInt; 3]; N] {
     let low = lowest_bit(&points).min(lowest_bit(&[origin]));
     points.map(|p| [0, 1, 2].map(|k| big(p[k], low) - big(origin[k], low)))
 }

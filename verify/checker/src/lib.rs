@@ -104,6 +104,7 @@
 #![forbid(unsafe_code)]
 
 mod adjacency_proof;
+mod angles;
 mod check;
 mod chunks;
 mod conform;
@@ -125,6 +126,7 @@ mod structure;
 mod sync;
 mod topology;
 
+pub use angles::{LeastAngle, SmallAngles, small_angles};
 pub use check::{check, check_elements, signs};
 pub use conform::{
     Conformity, ConformityDefect, Finding, Fraction, Limits, Plc, PlcFacet, conforms,

@@ -34,6 +34,7 @@ pub(crate) const PREDICATES: &[Predicate<'static>] = &[
     IN_EQUATORIAL_BALL,
     EXCEEDS_RADIUS_EDGE,
     EXCEEDS_VOLUME,
+    BELOW_DIHEDRAL,
 ];
 
 /// Shewchuk's order of evaluation; his sign is opposite to ours.
@@ -258,6 +259,42 @@ const EXCEEDS_VOLUME: Predicate<'static> = Predicate {
     constants: &[("VOLUME_ERROR", roundoffs(52, 1)), ("VOLUME_LIMIT_ERROR", roundoffs(12, 1))],
     bound: &[("bound", "VOLUME_ERROR * mx * my * mz + VOLUME_LIMIT_ERROR * volume")],
     guard: GUARD,
+    window: false,
+    lattice_bits: None,
+    integers: false,
+};
+
+/// With e = a - b, p = e x (a - c) and q = e x (a - d), whose angle is the dihedral one at ab:
+/// (p . q)^2 is compared with cos2 |p|^2 |q|^2.
+const BELOW_DIHEDRAL: Predicate<'static> = Predicate {
+    name: "below_dihedral",
+    about: "Whether the dihedral angle of `a, b, c, d` at the edge `ab`, or its supplement, is \
+            below the angle up to 90 degrees whose cosine has the square `cos2` (positive): \
+            positive if it is, negative if both are larger.",
+    points: &["a", "b", "c", "d"],
+    parameters: &["cos2"],
+    vectors: &["ab", "ac", "ad"],
+    extents: Extents::One,
+    steps: &[
+        step("px", "aby * acz - abz * acy"),
+        step("py", "abz * acx - abx * acz"),
+        step("pz", "abx * acy - aby * acx"),
+        step("qx", "aby * adz - abz * ady"),
+        step("qy", "abz * adx - abx * adz"),
+        step("qz", "abx * ady - aby * adx"),
+        step("pp", "px * px + py * py + pz * pz"),
+        step("qq", "qx * qx + qy * qy + qz * qz"),
+        step("pq", "px * qx + py * qy + pz * qz"),
+        step("value", "pq * pq - cos2 * (pp * qq)"),
+    ],
+    negate: false,
+    constants: &[("DIHEDRAL_ERROR", roundoffs(3360, 1)), ("COSINE_ERROR", roundoffs(3504, 1))],
+    bound: &[
+        ("m2", "m * m"),
+        ("m4", "m2 * m2"),
+        ("bound", "(DIHEDRAL_ERROR + COSINE_ERROR * cos2) * (m4 * m4)"),
+    ],
+    guard: REFINEMENT_GUARD,
     window: false,
     lattice_bits: None,
     integers: false,

@@ -14,9 +14,11 @@
 //! | [`exact`] | staged exact evaluation: few bits, fixed width, any width | tens of ns and up |
 //! | `long` | exact sums of products of any finite `f64`, without allocation | |
 //! | [`distance`] | which of two points is nearer | some ns; exact 0.1 µs |
+//! | [`dihedral`] | has a tetrahedron a dihedral angle below a bound | some ns an edge; exact µs |
 //! | [`twin`] | the same predicates, from big integers alone: the reference of the tests | 10 µs |
 //! | [`perturb`] | the symbolic perturbation: an in-sphere test that is never zero | |
 
+pub mod dihedral;
 pub mod distance;
 pub mod exact;
 pub mod filter;

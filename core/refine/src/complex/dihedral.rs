@@ -2,10 +2,12 @@
 //!
 //! An angle is told by the square of its cosine, so that no root is taken: with the normals m and n
 //! of two faces, cos² = (m·n)² / m² n², and the angle is acute if the normals that look outside
-//! have a negative product.
+//! have a negative product. Bounds are decided exactly; which of several points is the best one, by
+//! rounded angles.
 
 use ltbw_domain::vector::{cross, dot, minus};
 use ltbw_exact::Point;
+use ltbw_exact::predicates::dihedral::has_dihedral_below;
 
 /// A lower bound on dihedral angles, below a right angle.
 #[derive(Clone, Copy, Debug)]
@@ -40,14 +42,9 @@ impl DihedralBound {
         self.thick
     }
 
-    /// Has a tetrahedron a dihedral angle below the bound, but for rounding? Either orientation.
+    /// Has a tetrahedron a dihedral angle below the bound? Never for equal. Either orientation.
     pub(crate) fn is_missed(&self, corners: [&Point; 4]) -> bool {
-        sharpest(corners) > self.cos2
-    }
-
-    /// Is a square of a cosine one of an angle below the bound?
-    pub(crate) fn is_sharper(&self, cos2: f64) -> bool {
-        cos2 > self.cos2
+        !self.is_surely_met(corners) && has_dihedral_below(corners, self.cos2)
     }
 
     /// Are all dihedral angles of a tetrahedron above the bound, as a short test tells? Either
@@ -120,8 +117,10 @@ mod tests {
             a in point(), b in point(), c in point(), d in point(), degrees in 0.1f64..45.0,
         ) {
             let (corners, bound) = ([&a, &b, &c, &d], DihedralBound::new(degrees));
-            prop_assert!(!bound.is_surely_met(corners) || !bound.is_missed(corners));
-            prop_assert!(!are_large_in_lanes(&bound, corners) || !bound.is_missed(corners));
+            let is_below = has_dihedral_below(corners, bound.cos2);
+            prop_assert!(!is_below || !bound.is_surely_met(corners));
+            prop_assert!(!is_below || !are_large_in_lanes(&bound, corners));
+            prop_assert_eq!(bound.is_missed(corners), is_below);
         }
 
         /// Four points near a square, folded by up to twice the bound.
@@ -143,9 +142,10 @@ mod tests {
                 at([0.5, -height * cos, height * sin]),
             ];
             let (corners, bound) = (corners.each_ref(), DihedralBound::new(degrees));
-            prop_assert!(fold > 0.49 || bound.is_missed(corners));
-            prop_assert!(!(bound.is_missed(corners) && bound.is_surely_met(corners)));
-            prop_assert!(!(bound.is_missed(corners) && are_large_in_lanes(&bound, corners)));
+            let is_below = has_dihedral_below(corners, bound.cos2);
+            prop_assert!(fold > 0.49 || is_below);
+            prop_assert!(!(is_below && bound.is_surely_met(corners)));
+            prop_assert!(!(is_below && are_large_in_lanes(&bound, corners)));
         }
     }
 

@@ -270,7 +270,7 @@ impl Tally {
     fn of(star: impl Iterator<Item = Made>, bounds: &Bounds<'_>) -> Self {
         let mut all = Self::default();
         for Made { corners, region } in star {
-            let is_thin = |own: DihedralBound| own.is_missed(sorted(corners).each_ref());
+            let is_thin = |own: DihedralBound| own.is_missed(corners.each_ref());
             all.over += usize::from(bounds.are_over(corners.each_ref(), region));
             all.thin += usize::from(bounds.dihedral.is_some_and(is_thin));
         }
@@ -340,7 +340,7 @@ impl State {
         for Made { corners, region } in InMesh::open(state).likely_star(target.t, place) {
             let is_over = bounds.are_over(corners.each_ref(), region);
             let by_place = sorted(corners);
-            after.thin += usize::from(thin.is_missed(by_place.each_ref()));
+            after.thin += usize::from(thin.is_missed(corners.each_ref()));
             if is_over {
                 after.over += 1;
                 if Shape::of(by_place.each_ref()).ratio_over(&ratio) > worst {

@@ -64,11 +64,11 @@ impl Judge<'_> {
         let dihedral = bounds.dihedral?;
         let mut most = 0.0f64;
         for Made { corners, region } in self.closure.star(place, changes) {
-            let own = sharpest(sorted(corners).each_ref());
-            if dihedral.is_sharper(own) || bounds.are_over(corners.each_ref(), region) {
+            let own = corners.each_ref();
+            if dihedral.is_missed(own) || bounds.are_over(own, region) {
                 return None;
             }
-            most = most.max(own);
+            most = most.max(sharpest(sorted(corners).each_ref()));
         }
         Some(most)
     }
@@ -103,11 +103,7 @@ impl State {
             return false;
         };
         let v = self.vertices(t);
-        let corners = v.map(|v| self.at(v));
-        if dihedral.is_surely_met(corners.each_ref()) {
-            return false;
-        }
-        dihedral.is_missed(sorted(corners).each_ref())
+        dihedral.is_missed(v.map(|v| self.at(v)).each_ref())
     }
 
     /// The places inside that are tried for a sliver, in their order, each with the way there.

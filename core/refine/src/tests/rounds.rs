@@ -4,7 +4,6 @@ use super::sharp::{larger, over, relieve};
 use super::{check_conforming, check_marks, model, ready, refine};
 use crate::complex::dihedral::DihedralBound;
 use crate::late::relief::Goal;
-use crate::mesh::key::sorted;
 use crate::{InsertOrder, Reason, RefineError, RefineOutcome, Refined, Refiner};
 use ltbw_core::invariants::check_all;
 use ltbw_core::mesh::Vertex;
@@ -356,7 +355,7 @@ fn slivers_are_split_in_rounds() {
             let bound = DihedralBound::new(degrees);
             let is_below = |&t: &TetId| {
                 let corners = refined.state.vertices(t).map(|v| refined.state.at(v));
-                bound.is_missed(sorted(corners).each_ref())
+                bound.is_missed(corners.each_ref())
             };
             refined.tets().filter(is_below).count()
         };

@@ -2,6 +2,7 @@
 
 use super::Fraction;
 use crate::Defect;
+use crate::angles::SmallAngles;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -14,6 +15,9 @@ pub struct Limits {
     pub max_volume: Option<f64>,
     /// The largest volume in each region of the domain, by the tag that its seed is found with.
     pub region_volumes: Vec<Option<f64>>,
+    /// The least dihedral angle in degrees, above 0 and at most 90. Tetrahedra with a smaller one
+    /// are counted ([`Conformity::below_dihedral`]), and are no breach.
+    pub min_dihedral: Option<f64>,
 }
 
 /// The kinds of breaches. Ids are those of the domain or of the mesh, as each kind says.
@@ -116,6 +120,9 @@ pub struct Conformity {
     /// depend on the machine.
     #[doc(hidden)]
     pub steps: u64,
+    /// The tetrahedra below the least dihedral angle, if there is such a limit. As for all bounds,
+    /// those between the triangles of one patch are left out.
+    pub below_dihedral: Option<SmallAngles>,
     /// The exact volume; `None` if coordinates are too fine.
     pub volume: Option<Fraction>,
 }

@@ -16,7 +16,8 @@
 //! 6. tetrahedra that no facet separates have one tag; no tetrahedron holds the point of a hole;
 //!    every region's seed is in one. If tags are to be the numbers of regions, what is around the
 //!    seeds has theirs, and nothing else has;
-//! 7. every tetrahedron meets the bounds, exactly: circumradius to shortest edge, and volume.
+//! 7. every tetrahedron meets the bounds, exactly: circumradius to shortest edge, and volume. Those
+//!    with a dihedral angle below one are counted.
 //!
 //! The volume is summed exactly and given as a fraction, to be compared with the domain's own.
 
@@ -36,6 +37,7 @@ mod tiles;
 mod tree;
 mod whole;
 
+use crate::angles::{Bound, Found};
 use crate::chunks::pieces;
 use crate::defect::{Findings, Level};
 use crate::faces::{self, Faces};
@@ -300,8 +302,9 @@ impl Run<'_> {
         let pairs = limits.region_volumes.iter().zip(seeds);
         let regions: HashMap<u32, f64> = pairs.filter_map(|(b, s)| own(b, s)).collect();
         let general = limits.max_volume.map(|bound| units.cubic(bound));
+        let least = limits.min_dihedral.map(Bound::new);
         let parts = pieces(self.mesh.tets.len(), |range| {
-            let mut found = Vec::new();
+            let (mut found, mut small) = (Vec::new(), Found::new(self.limit));
             for t in range {
                 let corners = self.mesh.tets[t].map(|v| points[v as usize]);
                 // A tetrahedron between the triangles of one patch has no shape to speak of.
@@ -317,10 +320,18 @@ impl Run<'_> {
                 if volumes.into_iter().flatten().any(|b| bounds::volume_exceeds(corners, b)) {
                     found.push((ConformityDefect::VolumeExceeded, t as u32));
                 }
+                if let Some(bound) = least {
+                    small.add(t as u32, &bound.of_whole(corners));
+                }
             }
-            found
+            (found, small)
         });
         self.out.tets = self.mesh.tets.len() as u64;
-        parts.into_iter().flatten().for_each(|(breach, t)| self.add(breach, &[t]));
+        let mut small = Found::new(self.limit);
+        for (found, part) in parts {
+            found.into_iter().for_each(|(breach, t)| self.add(breach, &[t]));
+            small = small.merge(part);
+        }
+        self.out.below_dihedral = limits.min_dihedral.map(|degrees| small.under(degrees));
     }
 }

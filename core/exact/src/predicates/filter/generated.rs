@@ -494,3 +494,61 @@ pub fn exceeds_volume_any(a: &Point, b: &Point, c: &Point, d: &Point, volume: f6
     }
     None
 }
+
+/// A factor of the error bound of [`below_dihedral_any`].
+pub const DIHEDRAL_ERROR: f64 = 3360.0625 * UNIT_ROUNDOFF;
+
+/// A factor of the error bound of [`below_dihedral_any`].
+pub const COSINE_ERROR: f64 = 3504.0625 * UNIT_ROUNDOFF;
+
+/// Value and extents (m) of `below_dihedral`.
+#[inline(always)]
+fn below_dihedral_value(a: &Point, b: &Point, c: &Point, d: &Point, cos2: f64) -> (f64, [f64; 1]) {
+    let [abx, aby, abz] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let [acx, acy, acz] = [a[0] - c[0], a[1] - c[1], a[2] - c[2]];
+    let [adx, ady, adz] = [a[0] - d[0], a[1] - d[1], a[2] - d[2]];
+    let px = aby * acz - abz * acy;
+    let py = abz * acx - abx * acz;
+    let pz = abx * acy - aby * acx;
+    let qx = aby * adz - abz * ady;
+    let qy = abz * adx - abx * adz;
+    let qz = abx * ady - aby * adx;
+    let pp = px * px + py * py + pz * pz;
+    let qq = qx * qx + qy * qy + qz * qz;
+    let pq = px * qx + py * qy + pz * qz;
+    let value = pq * pq - cos2 * (pp * qq);
+    let m = larger(
+        larger(
+            larger(larger(abx.abs(), aby.abs()), larger(abz.abs(), acx.abs())),
+            larger(larger(acy.abs(), acz.abs()), larger(adx.abs(), ady.abs())),
+        ),
+        adz.abs(),
+    );
+    (value, [m])
+}
+
+/// The bound of the error of `below_dihedral_value`.
+#[inline(always)]
+fn below_dihedral_bound([m]: [f64; 1], cos2: f64) -> f64 {
+    let m2 = m * m;
+    let m4 = m2 * m2;
+    (DIHEDRAL_ERROR + COSINE_ERROR * cos2) * (m4 * m4)
+}
+
+/// Whether the dihedral angle of `a, b, c, d` at the edge `ab`, or its supplement, is below the
+/// angle up to 90 degrees whose cosine has the square `cos2` (positive): positive if it is,
+/// negative if both are larger.
+///
+/// By filter, for any finite coordinates; `None` if not decided.
+#[inline(always)]
+#[must_use]
+pub fn below_dihedral_any(a: &Point, b: &Point, c: &Point, d: &Point, cos2: f64) -> Option<Sign> {
+    let (value, extents) = below_dihedral_value(a, b, c, d, cos2);
+    let [m] = extents;
+    if within(m, power_of_two(-100), power_of_two(100))
+        && within(cos2, power_of_two(-20), power_of_two(20))
+    {
+        return decide(value, below_dihedral_bound(extents, cos2));
+    }
+    None
+}

@@ -17,7 +17,7 @@ use crate::predicates::{PLANES, Sign};
 const BITS: u32 = 51;
 /// The bounds are in sixteenths of u: 2^-57.
 const BOUND_BITS: u32 = 57;
-/// The parameter of `exceeds_radius_edge` is an integer over this.
+/// The parameters of `exceeds_radius_edge` and `below_dihedral` are integers over this.
 const RATIO_UNIT: u32 = 256;
 
 /// A filter and what is known about it. Its parameter, if it has one, comes as an integer.
@@ -42,6 +42,7 @@ enum Parameter {
     No,
     Ratio,
     Volume,
+    Cosine,
 }
 
 /// Units for the guards from 2^-190 to 2^200, and for those from 2^-100 to 2^100.
@@ -52,6 +53,7 @@ const TO_C: &[(usize, usize)] = &[(0, 2), (1, 2)];
 const TO_D: &[(usize, usize)] = &[(0, 3), (1, 3), (2, 3)];
 const TO_E: &[(usize, usize)] = &[(0, 4), (1, 4), (2, 4), (3, 4)];
 const EQUATORIAL: &[(usize, usize)] = &[(0, 1), (0, 2), (1, 2), (0, 3)];
+const FROM_A: &[(usize, usize)] = &[(0, 1), (0, 2), (0, 3)];
 const EDGES: &[(usize, usize)] = &[(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
 /// All filters; those of projections once for each plane.
@@ -122,7 +124,7 @@ fn incircle<const PLANE: usize>() -> Filter {
     }
 }
 
-fn of_refinement() -> [Filter; 4] {
+fn of_refinement() -> [Filter; 5] {
     let diametral = Filter {
         name: "in_diametral_ball_any",
         points: 3,
@@ -171,7 +173,23 @@ fn of_refinement() -> [Filter; 4] {
         parameter: Parameter::Volume,
         units: WIDE,
     };
-    [diametral, equatorial, radius_edge, volume]
+    [diametral, equatorial, radius_edge, volume, dihedral()]
+}
+
+fn dihedral() -> Filter {
+    Filter {
+        name: "below_dihedral_any",
+        points: 4,
+        decide: |p, cosine, _| {
+            let cos2 = cosine / f64::from(RATIO_UNIT);
+            filter::below_dihedral_any(&p[0], &p[1], &p[2], &p[3], cos2)
+        },
+        value: |p, cosine| exact::below_dihedral(p, cosine, RATIO_UNIT),
+        pairs: FROM_A,
+        bound: |_, m, cosine| (53_761 * BigInt::from(RATIO_UNIT) + 56_065 * cosine) * m.pow(8),
+        parameter: Parameter::Cosine,
+        units: NARROW,
+    }
 }
 
 /// Numbers that look random, always the same ones.
@@ -195,6 +213,8 @@ impl Draw {
             Parameter::No => BigInt::zero(),
             // From ½ to 3, or to 200 if tetrahedra are flat.
             Parameter::Ratio => BigInt::from((128 + self.below(640)) << flat),
+            // Angles between 3 and 87 degrees.
+            Parameter::Cosine => BigInt::from(1 + self.below(255)),
             // About a third of the tetrahedron's, as far as an `f64` can tell it.
             Parameter::Volume => {
                 let third: BigInt = exact::orient3d(&places(points)).abs() / 18;
@@ -417,6 +437,11 @@ fn guards_of_refinement_begin_and_end_where_they_are_proved() {
         filter::exceeds_radius_edge_any(&a, &b, &c, &d, 0.5).is_some()
     });
     between(-20, 20, |ratio| filter::exceeds_radius_edge_any(&O, &X, &Y, &Z, ratio).is_some());
+    between(-100, 100, |size| {
+        let [a, b, c, d] = stretched(CORNER, &all, size);
+        filter::below_dihedral_any(&a, &b, &c, &d, 0.5).is_some()
+    });
+    between(-20, 20, |cos2| filter::below_dihedral_any(&Y, &Z, &O, &X, cos2).is_some());
     between(-600, 600, |volume| filter::exceeds_volume_any(&O, &X, &Y, &Z, volume).is_some());
 }
 

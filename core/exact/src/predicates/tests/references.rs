@@ -101,6 +101,15 @@ pub(crate) fn volume(p: &[Place], limit: &BigInt) -> BigInt {
     orient3d(p) - 6 * limit
 }
 
+/// unit · |p|² |q|² (cos²(angle) - cosine / unit) for the dihedral angle at the first two points, p
+/// and q being the normals of its faces; without cross products, by Lagrange's identity.
+pub(crate) fn below_dihedral(p: &[Place], cosine: &BigInt, unit: u32) -> BigInt {
+    let [u, v, w] = [1, 2, 3].map(|k| minus(&p[k], &p[0]));
+    let normals = |x: &Place, y: &Place| squared(&u) * dot(x, y) - dot(&u, x) * dot(&u, y);
+    let product = normals(&v, &w);
+    unit * &product * &product - cosine * normals(&v, &v) * normals(&w, &w)
+}
+
 /// The largest difference in each axis, of the points with these numbers.
 pub(crate) fn extents(p: &[Place], pairs: &[(usize, usize)]) -> Place {
     std::array::from_fn(|k| {
