@@ -157,13 +157,22 @@ pub(crate) struct Checked {
 /// Checks our own mesh of all points, given with its neighbours and its hull; `hash` is what the
 /// kernel computed.
 pub(crate) fn check_own(mesh: &verify::Mesh<'_>, hash: &str, depth: Depth) -> Option<Checked> {
+    let report = verify::check(mesh, &own_options(depth)?);
+    Some(checked_own(&report, hash))
+}
+
+/// The options of the check of our own mesh of all points; `None` if it is not checked.
+pub(crate) fn own_options(depth: Depth) -> Option<verify::Options> {
     let depth = match depth {
         Depth::Off => return None,
         Depth::Fast => verify::Depth::Fast,
         Depth::Full => verify::Depth::Full,
     };
-    let options = verify::Options { depth, all_points: true, ..verify::Options::default() };
-    let report = verify::check(mesh, &options);
+    Some(verify::Options { depth, all_points: true, ..verify::Options::default() })
+}
+
+/// The result of a check of our own mesh, which has this hash.
+pub(crate) fn checked_own(report: &verify::Report, hash: &str) -> Checked {
     // The checker's hash is computed by code that shares nothing with the kernel's.
     let same_hash = match &report.hash {
         verify::Hash::Value(other) => other == hash,
@@ -173,10 +182,10 @@ pub(crate) fn check_own(mesh: &verify::Mesh<'_>, hash: &str, depth: Depth) -> Op
     if !same_hash {
         console::people("defect    the checker computes another hash");
     }
-    print_defects(&report, None);
-    Some(Checked {
+    print_defects(report, None);
+    Checked {
         passed: report.passed() && same_hash,
-        summary: summary(&report),
+        summary: summary(report),
         certificate: serde_json::to_value(report.certificate()).ok(),
-    })
+    }
 }

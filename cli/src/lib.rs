@@ -22,6 +22,8 @@
 //! | `streams` | stdin and stdout in place of files |
 //! | `simulate` | `simulate`: the parallel kernel on simulated processors |
 //! | `demo` | `demo` |
+//! | `points` | what is told of a mesh of points, wherever its parts are |
+//! | `apart` | `delaunay` by several processes, none of which has the mesh |
 //! | `others`, `ranks` | the other processes of a job; those of `ltbw-mpi` |
 //! | `vectors`, `kit` | `vectors`: a foreign program and the conformance kit |
 //! | `report` | the JSON report `ltbw.report/1` |
@@ -37,6 +39,8 @@
 #![forbid(unsafe_code)]
 
 mod angles;
+#[cfg(feature = "wire")]
+mod apart;
 mod args;
 mod binding;
 mod bounds;
@@ -67,6 +71,7 @@ mod page;
 mod picture;
 mod pieces;
 mod plc;
+mod points;
 mod progress;
 #[cfg(feature = "wire")]
 #[doc(hidden)]

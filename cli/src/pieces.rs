@@ -1,9 +1,10 @@
 //! The parts of a mesh that workers have, each as a mesh of its own.
 
+use ltbw::io::Piece;
 use ltbw::{BoundaryFace, TetMesh};
 
 /// The parts of a mesh by the worker, of `count`, of each tetrahedron. One may be empty.
-pub(crate) fn parts_of(mesh: &TetMesh, owners: &[u32], count: usize) -> Vec<TetMesh> {
+pub(crate) fn parts_of(mesh: &TetMesh, owners: &[u32], count: usize) -> Vec<Piece> {
     let mut lists: Vec<Vec<usize>> = vec![Vec::new(); count];
     for (tet, &owner) in owners.iter().enumerate() {
         lists[owner as usize].push(tet);
@@ -18,11 +19,13 @@ pub(crate) fn parts_of(mesh: &TetMesh, owners: &[u32], count: usize) -> Vec<TetM
         let own = BoundaryFace { tet: places[face.tet], ..*face };
         faces[owners[face.tet] as usize].push(own);
     }
-    let of_part = |(list, faces): (Vec<usize>, Vec<BoundaryFace>)| TetMesh {
-        tet_tags: mesh.tet_tags.as_ref().map(|all| list.iter().map(|&tet| all[tet]).collect()),
-        tet_attributes: (mesh.tet_attributes.as_ref())
-            .map(|all| list.iter().map(|&tet| all[tet]).collect()),
-        ..part_of(mesh, list.iter().map(|&tet| mesh.tets[tet]).collect(), faces)
+    let of_part = |(list, faces): (Vec<usize>, Vec<BoundaryFace>)| {
+        let mut part = part_of(mesh, list.iter().map(|&tet| mesh.tets[tet]).collect(), faces);
+        part.mesh.tet_tags =
+            mesh.tet_tags.as_ref().map(|all| list.iter().map(|&tet| all[tet]).collect());
+        part.mesh.tet_attributes =
+            mesh.tet_attributes.as_ref().map(|all| list.iter().map(|&tet| all[tet]).collect());
+        part
     };
     lists.into_iter().zip(faces).map(of_part).collect()
 }
@@ -33,7 +36,7 @@ pub(crate) fn part_of(
     mesh: &TetMesh,
     mut tets: Vec<[u32; 4]>,
     mut faces: Vec<BoundaryFace>,
-) -> TetMesh {
+) -> Piece {
     let mut used: Vec<u32> = tets.iter().flatten().copied().collect();
     used.sort_unstable();
     used.dedup();
@@ -42,11 +45,12 @@ pub(crate) fn part_of(
     tets.iter_mut().for_each(|tet| *tet = tet.map(place));
     faces.iter_mut().for_each(|face| face.corners = face.corners.map(place));
     let tags = |all: &Vec<i64>| used.iter().map(|&v| all[v as usize]).collect();
-    TetMesh {
+    let mesh = TetMesh {
         points: used.iter().map(|&v| mesh.points[v as usize]).collect(),
         tets,
         point_tags: mesh.point_tags.as_ref().map(tags),
         faces,
         ..TetMesh::default()
-    }
+    };
+    Piece { mesh, numbers: used }
 }

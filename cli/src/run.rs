@@ -1,5 +1,7 @@
 //! `delaunay`: read, order, insert, hash, check, write, report.
 
+#[cfg(feature = "wire")]
+use crate::apart;
 use crate::args::{Delaunay, Depth};
 use crate::binding::{Binding, Chosen, Read, Role};
 use crate::check::check_own;
@@ -10,16 +12,17 @@ use crate::others::Others;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{self, Scene};
 use crate::pieces::part_of;
+use crate::points::{
+    ending, finish_unbegun, keep_check, print_mesh, print_thickness, unless_stopped, word_of,
+};
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report};
 use crate::task::{Files, Judged, Task};
 use crate::without::{Given, Without};
 use ltbw::balance::Balance;
-use ltbw::domain::Thickness;
 use ltbw::io::PointFile;
 use ltbw::quality::Quality;
-use ltbw::threads::RunError;
-use ltbw::{BuildError, Builder, Built, Outcome, Point, PointSet, TetMesh};
+use ltbw::{Builder, Built, Outcome, PointSet, TetMesh};
 use ltbw_verify as verify;
 use std::path::Path;
 use std::time::Instant;
@@ -108,21 +111,14 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
     let count = file.points.len();
     let set = PointSet::new(file.points)
         .map_err(|error| Failure::Points { path: task.name.to_owned(), error })?;
+    #[cfg(feature = "wire")]
     if let Some(others) = task.others {
         others.agree(&task.binding.inputs)?;
+        let points = apart::Points { set: &set, tags, read_seconds: job.read_seconds };
+        return apart::mesh_points(others.apart(), points, task);
     }
-    let built = match build(&set, job)? {
-        Outcomes::Built(built) => Some(built),
-        Outcomes::Stopped => None,
-        Outcomes::Elsewhere => return Ok(Exit::Done),
-    };
-    let Some(mut built) = built else {
-        let input = Input { points: count, ..Input::default() };
-        let mut report = task.report(input, "cancelled");
-        report.seconds.read = job.read_seconds;
-        task.finish(&mut report)?;
-        console::people("ltbw: stopped before the first tetrahedron; no mesh was written");
-        return Ok(Exit::Stopped);
+    let Some(mut built) = build(&set, job)? else {
+        return finish_unbegun(task, count, job.read_seconds);
     };
     let mut given = Given { set, tags };
     if let Some(without) = job.without.as_ref().filter(|_| built.outcome == Outcome::Complete) {
@@ -131,7 +127,7 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
     let Given { set, tags: point_tags } = given;
     let count = set.len();
     let mut report = report_of(&built, count, job);
-    let Built { mesh, outcome, workers, parts, summary, trace, .. } = *built;
+    let Built { mesh, outcome, workers, parts, summary, trace, .. } = built;
     report.workers = workers;
     report.parallel = summary.as_ref().map(Figures::of);
     if outcome == Outcome::Complete {
@@ -178,11 +174,7 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
             None => return Ok(task.refuse(&mut report)),
         }
     }
-    report.outcome = match outcome {
-        Outcome::Complete => "complete",
-        Outcome::Cancelled => "cancelled",
-        Outcome::Budget | Outcome::TooManyTets => "budget",
-    };
+    report.outcome = word_of(outcome);
     let points = set.points().to_vec();
     let mesh = TetMesh { points, tets, point_tags, ..TetMesh::default() };
     let part = |tets: &Vec<[u32; 4]>| part_of(&mesh, tets.clone(), Vec::new());
@@ -194,52 +186,21 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
         task.write_page(&scene, &report, &judged, timeline.as_deref())?;
     }
     task.finish(&mut report)?;
-    if outcome == Outcome::Complete {
-        return Ok(Exit::Done);
-    }
-    console::people(&format!(
-        "ltbw: {}: {} of {count} points meshed; the mesh is valid but was not checked",
-        report.outcome, report.mesh.vertices
-    ));
-    Ok(Exit::Stopped)
+    Ok(ending(outcome, &report))
 }
 
 /// Checks a mesh and keeps its certificate; the verdict for people, or none if it has a defect.
 fn check(own: &verify::Mesh<'_>, report: &mut Report, task: &Task<'_>) -> Option<String> {
     let _stage = Stage::begin("check");
     let hash = report.mesh.hash.clone().unwrap_or_default();
-    let Some(checked) = check_own(own, &hash, task.check) else {
-        return Some(Judged::unseen(None).verdict);
-    };
-    report.certificate = checked.certificate.map(|mut own| {
-        task.binding.bind(&mut own, &hash);
-        own
-    });
-    if !checked.passed {
-        return None;
-    }
-    console::people(&format!("checked   {}", checked.summary));
-    Some(checked.summary)
-}
-
-/// Tells that points are nearly in one plane: their tetrahedra are as flat.
-fn print_thickness(points: &[Point]) {
-    if let Some(thickness) = Thickness::of_flat(points) {
-        console::people(&format!("note: {thickness}"));
+    match check_own(own, &hash, task.check) {
+        Some(checked) => keep_check(checked, report, task),
+        None => Some(Judged::unseen(None).verdict),
     }
 }
 
-/// The outcome of a build.
-enum Outcomes {
-    Built(Box<Built>),
-    /// It was stopped too early.
-    Stopped,
-    /// The first process has the mesh.
-    Elsewhere,
-}
-
-/// Builds the mesh, on as many threads as the job has workers, or by all processes.
-fn build(set: &PointSet, job: &Job<'_>) -> Result<Outcomes, Failure> {
+/// Builds the mesh, on as many threads as the job has workers; none if it was stopped too early.
+fn build(set: &PointSet, job: &Job<'_>) -> Result<Option<Built>, Failure> {
     let task = &job.task;
     let progress = Progress::begin("order", task.stop.begun());
     let mut builder = Builder::new().threads(job.workers);
@@ -249,24 +210,13 @@ fn build(set: &PointSet, job: &Job<'_>) -> Result<Outcomes, Failure> {
     }
     // Taking the time takes some.
     let is_traced = task.page.is_some() || job.parallel.trace.is_some();
-    if task.others.is_none() && (task.json.is_some() || job.parallel.tables || is_traced) {
+    if task.json.is_some() || job.parallel.tables || is_traced {
         builder = builder.measure(if is_traced { SPANS } else { 0 });
     }
     if !task.outputs.in_parts.is_empty() || (task.page.is_some() && job.workers > 1) {
         builder = builder.parts();
     }
-    let built = match task.others {
-        Some(others) => others.build(&builder, set),
-        None => builder.build(set).map(Some),
-    };
-    match built {
-        Ok(Some(built)) => Ok(Outcomes::Built(Box::new(built))),
-        Ok(None) => Ok(Outcomes::Elsewhere),
-        Err(RunError::Build(BuildError::Cancelled)) => Ok(Outcomes::Stopped),
-        Err(RunError::Build(error)) => Err(Failure::Build { path: task.name.to_owned(), error }),
-        Err(error @ RunError::Threads { .. }) => Err(Failure::Machine(error.to_string())),
-        Err(error) => Err(Failure::Other(error.to_string())),
-    }
+    unless_stopped(builder.build(set), task)
 }
 
 /// The report of a build, without what comes after it.
@@ -290,19 +240,6 @@ fn report_of(built: &Built, points: usize, job: &Job<'_>) -> Report {
         hash: None,
     };
     report
-}
-
-fn print_mesh(name: &str, report: &Report) {
-    let Input { points, duplicates, .. } = &report.input;
-    let doubles = match duplicates {
-        0 => String::new(),
-        n => format!(", {n} of them duplicates of others"),
-    };
-    console::people(&format!("points    {points} in {name}{doubles}"));
-    let MeshPart { vertices, tets, hull_faces, .. } = &report.mesh;
-    console::people(&format!(
-        "mesh      {vertices} vertices, {tets} tetrahedra, {hull_faces} hull faces"
-    ));
 }
 
 /// The worker of each tetrahedron; none if there was one alone.

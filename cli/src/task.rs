@@ -14,7 +14,7 @@ use crate::report::{
 };
 use crate::streams::{Formats, Streams, attributes_note, name_of, on_stdout};
 use ltbw::TetMesh;
-use ltbw::io::{self, MeshWriter};
+use ltbw::io::{self, MeshWriter, Piece};
 use ltbw::quality::{Array, Quality};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -145,38 +145,47 @@ impl Task<'_> {
         &self,
         mesh: &TetMesh,
         values: impl FnOnce() -> Vec<Array>,
-        parts: impl FnOnce() -> Vec<TetMesh>,
+        parts: impl FnOnce() -> Vec<Piece>,
         report: &mut Report,
     ) -> Result<(), Failure> {
         let clock = Instant::now();
-        let Outputs { in_parts, whole, formats, .. } = self.outputs;
+        let Outputs { in_parts, whole, .. } = self.outputs;
         let is_written = !(whole.is_empty() && in_parts.is_empty());
         let _stage = is_written.then(|| Stage::begin("write"));
-        let mut tell = |path: &Path| {
-            report.outputs.push(path.to_string_lossy().into_owned());
-            console::people(&format!("wrote     {}", show(path)));
-        };
-        if !whole.is_empty() {
-            let values = values();
-            let writer = MeshWriter::new(mesh).values(&values);
-            let hash = report.mesh.hash.as_deref();
-            let writer = hash.map_or(writer, |hash| writer.hash(hash));
-            for path in whole {
-                formats.write_mesh(path, writer)?;
-                let note = attributes_note(mesh, formats.of_output(path)?);
-                let path = &name_of(path);
-                note.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));
-                tell(path);
-            }
-        }
+        self.write_whole(mesh, values, report)?;
         if !in_parts.is_empty() {
             let parts = parts();
             for path in in_parts {
                 console::writing(|token| io::write_parts_until(path, &parts, token))?;
-                io::part_files(path, parts.len()).iter().for_each(|path| tell(path));
+                wrote_parts(path, parts.len(), report);
             }
         }
         report.seconds.write = clock.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Writes the files that hold the whole mesh.
+    pub(crate) fn write_whole(
+        &self,
+        mesh: &TetMesh,
+        values: impl FnOnce() -> Vec<Array>,
+        report: &mut Report,
+    ) -> Result<(), Failure> {
+        let Outputs { whole, formats, .. } = self.outputs;
+        if whole.is_empty() {
+            return Ok(());
+        }
+        let values = values();
+        let hash = report.mesh.hash.clone();
+        for path in whole {
+            let writer = MeshWriter::new(mesh).values(&values);
+            let writer = hash.as_deref().map_or(writer, |hash| writer.hash(hash));
+            formats.write_mesh(path, writer)?;
+            let note = attributes_note(mesh, formats.of_output(path)?);
+            let path = &name_of(path);
+            note.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));
+            wrote(path, report);
+        }
         Ok(())
     }
 
@@ -199,6 +208,17 @@ impl Task<'_> {
         }
         write_text(path, &page.html(&report.to_json().unwrap_or_default()))
     }
+}
+
+/// Tells of a file that was written.
+fn wrote(path: &Path, report: &mut Report) {
+    report.outputs.push(path.to_string_lossy().into_owned());
+    console::people(&format!("wrote     {}", show(path)));
+}
+
+/// Tells of the files of a mesh in parts.
+pub(crate) fn wrote_parts(path: &Path, parts: usize, report: &mut Report) {
+    io::part_files(path, parts).iter().for_each(|path| wrote(path, report));
 }
 
 /// The verdict and the quality of a mesh in the end.

@@ -196,20 +196,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn build_in_parallel(
-        &self,
-        sequential: &Sequential<'_>,
-        set: &PointSet,
-    ) -> Result<Built, RunError> {
-        self.still()?;
-        self.build_by(self.threads, sequential, set, |kernel, finish| {
-            self.still()?;
-            finish(kernel.build_distributed(set)?)
-        })
-    }
-
     /// Builds the mesh as one member of a team, all of whose members are given the same points and
-    /// the same limits, and gives it to the first one.
+    /// the same limits: each gets its own part.
     ///
     /// # Errors
     /// As [`Parallel::build_on`]; a limit of tetrahedra is one for a single thread.
@@ -219,25 +207,26 @@ impl<'a> Builder<'a> {
         &self,
         team: &mut crate::team::Team<P>,
         set: &PointSet,
-    ) -> Result<Option<Built>, RunError> {
+    ) -> Result<crate::threads::BuiltPart, RunError> {
         if self.budget.max_tets.is_some() {
             return Err(RunError::Settings("a team has no limit of tetrahedra".to_owned()));
         }
         let sequential = Sequential::new().order(self.order).budget(self.budget);
-        let workers = team.size();
-        self.build_by(workers, &sequential, set, |kernel, finish| {
-            kernel.build_on(team, set)?.map(finish).transpose()
-        })
+        let only = sequential.allowed_points(set)?;
+        let mut built = self.kernel(team.size(), only.as_deref()).build_on(team, set)?;
+        if only.is_some() && built.outcome == Outcome::Complete {
+            built.outcome = Outcome::Budget;
+        }
+        Ok(built)
     }
 
-    /// Builds the mesh by `workers` that `run` runs; what it is given puts their parts together.
-    fn build_by<R>(
+    /// Builds the mesh by several threads.
+    fn build_in_parallel(
         &self,
-        workers: u32,
         sequential: &Sequential<'_>,
         set: &PointSet,
-        run: impl FnOnce(&Parallel<'_>, Finish<'_>) -> Result<R, RunError>,
-    ) -> Result<R, RunError> {
+    ) -> Result<Built, RunError> {
+        self.still()?;
         let clock = Instant::now();
         let total = sequential.allowed(set.len());
         // Which points a budget allows, the order of all of them tells: some time for many.
@@ -246,7 +235,22 @@ impl<'a> Builder<'a> {
         }
         let only = sequential.allowed_points(set)?;
         let choice_seconds = clock.elapsed().as_secs_f64();
-        let mut kernel = Parallel::new(workers).only(only.as_deref());
+        self.still()?;
+        let kernel = self.kernel(self.threads, only.as_deref());
+        let mut built = self.put_together(&kernel, kernel.build_distributed(set)?)?;
+        built.stats.order_seconds += choice_seconds;
+        if only.is_some() && built.outcome == Outcome::Complete {
+            built.outcome = Outcome::Budget;
+        }
+        Ok(built)
+    }
+
+    /// The parallel kernel with these settings, for the points with these numbers.
+    fn kernel<'k>(&self, workers: u32, only: Option<&'k [Vertex]>) -> Parallel<'k>
+    where
+        'a: 'k,
+    {
+        let mut kernel = Parallel::new(workers).only(only);
         if let Some(token) = self.cancel {
             kernel = kernel.cancel(token);
         }
@@ -259,14 +263,7 @@ impl<'a> Builder<'a> {
         if let Some(spans) = self.spans {
             kernel = kernel.measure(spans);
         }
-        run(&kernel, &|apart| {
-            let mut built = self.put_together(&kernel, apart)?;
-            built.stats.order_seconds += choice_seconds;
-            if only.is_some() && built.outcome == Outcome::Complete {
-                built.outcome = Outcome::Budget;
-            }
-            Ok(built)
-        })
+        kernel
     }
 
     /// The mesh of all parts.
@@ -283,9 +280,6 @@ impl<'a> Builder<'a> {
         Ok(Built { mesh, outcome, stats, duplicates, workers, summary, trace, parts })
     }
 }
-
-/// Puts the parts of workers together.
-type Finish<'f> = &'f dyn Fn(Distributed) -> Result<Built, RunError>;
 
 /// An observer that is called by time.
 struct Throttle<'a> {

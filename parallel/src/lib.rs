@@ -50,6 +50,9 @@ pub mod balance;
 mod builder;
 #[doc(hidden)]
 pub mod check;
+#[cfg(feature = "wire")]
+#[doc(hidden)]
+pub mod distributed;
 mod failure;
 #[doc(hidden)]
 pub mod mailbox;

@@ -1,7 +1,9 @@
 //! Teams of threads whose letters are bytes: what processes do, in one process.
 
 use ltbw::protocol::WorkerId;
-use ltbw::team::{Kind, Post, Team, Threads, threads};
+use ltbw::team::{Kind, Post, Team, TeamError, Threads, threads};
+use ltbw::wire::WireError;
+use ltbw_verify::Exchange;
 use std::time::Duration;
 
 /// Runs every member of a team on a thread of its own; what comes of it, by member.
@@ -17,10 +19,11 @@ pub fn on_team<R: Send>(members: u32, member: impl Fn(&mut Team<Threads>) -> R +
     })
 }
 
-/// A post that keeps a copy of each mail that it sends.
+/// A post that keeps a copy of each letter of a kind that it sends.
 #[derive(Debug)]
 pub struct Recorded<P> {
     inner: P,
+    kind: Kind,
     /// The letters, in their order.
     pub letters: Vec<Vec<u8>>,
 }
@@ -35,7 +38,7 @@ impl<P: Post> Post for Recorded<P> {
     }
 
     fn send(&mut self, to: WorkerId, kind: Kind, letter: Vec<u8>) {
-        if kind == Kind::Mail {
+        if kind == self.kind {
             self.letters.push(letter.clone());
         }
         self.inner.send(to, kind, letter);
@@ -62,24 +65,58 @@ impl<P: Post> Post for Recorded<P> {
     }
 }
 
-/// Runs every member of a team; all mails that they have sent.
+/// Runs every member of a team; all letters of a kind that each has sent.
 ///
 /// # Panics
 /// If a member does.
 pub fn recorded(
     members: u32,
+    kind: Kind,
     member: impl Fn(&mut Team<Recorded<Threads>>) + Sync,
-) -> Vec<Vec<u8>> {
+) -> Vec<Vec<Vec<u8>>> {
     std::thread::scope(|scope| {
         let member = &member;
-        let run = |post| {
+        let run = |inner| {
             scope.spawn(move || {
-                let mut team = Team::new(Recorded { inner: post, letters: Vec::new() });
+                let mut team = Team::new(Recorded { inner, kind, letters: Vec::new() });
                 member(&mut team);
                 std::mem::take(&mut team.post().letters)
             })
         };
         let all: Vec<_> = threads(members).into_iter().map(run).collect();
-        all.into_iter().flat_map(|thread| thread.join().expect("no member panics")).collect()
+        all.into_iter().map(|thread| thread.join().expect("no member panics")).collect()
     })
+}
+
+/// The way of the checker, which knows nothing of teams.
+#[derive(Debug)]
+pub struct Judge<'t, P>(pub &'t mut Team<P>);
+
+impl<P: Post> Exchange for Judge<'_, P> {
+    type Error = TeamError;
+
+    fn me(&self) -> usize {
+        self.0.me().index()
+    }
+
+    fn members(&self) -> usize {
+        self.0.size() as usize
+    }
+
+    fn exchange(&mut self, parts: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>, TeamError> {
+        self.0.exchange(parts)
+    }
+
+    fn in_turn(
+        &mut self,
+        first: Vec<u8>,
+        own: &mut dyn FnMut(Vec<u8>) -> Vec<u8>,
+    ) -> Result<Vec<u8>, TeamError> {
+        self.0.in_turn(first, |before| Ok(own(before)))
+    }
+
+    fn nonsense(&self, from: usize, what: &'static str) -> TeamError {
+        let (from, reason) = (WorkerId::new(from as u32), what.to_owned());
+        WireError { from, at: 0, length: 0, reason }.into()
+    }
 }

@@ -8,6 +8,7 @@ mod golden;
 mod interleaved;
 mod parallel_cgal;
 mod parallel_families;
+mod parted;
 mod planted;
 mod proptest_cgal;
 mod published;

@@ -4,7 +4,8 @@
 
 use ltbw::{Builder, Point, PointSet};
 use ltbw_tests::families::{Rng, Size, all, grid, scaled, snapped, spheres, uniform, wide};
-use ltbw_tests::plant::{PLANTS, Subject, try_plant, try_plant_elements};
+use ltbw_tests::plant::{Deal, PLANTS, Subject, try_plant, try_plant_elements, try_plant_in_parts};
+use ltbw_verify::Depth;
 
 /// Places tried for each plant on each mesh, until it has grown at [`ENOUGH`] places.
 const TRIES: usize = 60;
@@ -100,5 +101,48 @@ fn the_judge_of_elements_finds_what_is_wrong_in_any_body() {
         println!("{}: {count} planted, all found", plant.name);
         let is_sound = plant.name.starts_with("flip ") || plant.name == "missing tetrahedron";
         assert_eq!(count < 40, is_sound, "{} grew {count} times", plant.name);
+    }
+}
+
+/// In parts, every defect is found wherever it lies, inside a part and between parts, and no sound
+/// mesh is accused. Its name may be another one: a part does not ask who else has its faces.
+#[test]
+fn every_planted_defect_is_found_in_parts() {
+    let subjects = subjects();
+    let mut rng = Rng::new(12);
+    let mut planted = [[0_u32; 2]; PLANTS.len()];
+    for (k, (name, mesh)) in subjects.iter().enumerate() {
+        for members in [1, 2, 3, 5] {
+            let deal = [Deal::Stretches, Deal::Random(k as u64)][(k + members as usize) % 2];
+            let report = mesh.report_in_parts(Depth::Full, members, deal);
+            assert!(report.passed(), "{name}, {members} {deal:?}: {:?}", report.defects);
+        }
+        for (plant, count) in PLANTS.into_iter().zip(&mut planted) {
+            // A team for each place: one place of a large mesh, some of the others.
+            for _ in 0..if mesh.tets.len() < 100 { 4 } else { 1 } {
+                let members = [1, 2, 3, 5][rng.below(4) as usize];
+                let deal = match rng.below(3) {
+                    0 => Deal::Stretches,
+                    seed => Deal::Random(seed),
+                };
+                let choice = rng.below(1 << 32) as usize;
+                match try_plant_in_parts(mesh, plant, choice, Among { members, deal }) {
+                    Ok(found) => {
+                        count[0] += u32::from(found.is_some());
+                        count[1] += u32::from(found == Some(true));
+                    }
+                    Err(why) => panic!("{name}: {why}"),
+                }
+            }
+        }
+    }
+    for (plant, [found, named]) in PLANTS.iter().zip(planted) {
+        println!("{}: {found} planted in parts, all found, {named} by name", plant.name);
+        // Parts claim no neighbours and no hull.
+        let in_claims = plant.name.ends_with("neighbour")
+            || plant.name.ends_with("neighbours")
+            || plant.name.ends_with("hull facet");
+        assert!(if in_claims { found == 0 } else { found > 40 }, "{} grew {found}", plant.name);
+        assert!(10 * named >= 9 * found, "{}: {named} of {found} by name", plant.name);
     }
 }

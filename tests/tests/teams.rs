@@ -1,49 +1,26 @@
 //! Teams whose members share nothing but letters: always the sequential mesh, to its hash, its
 //! excuses and its numbers; and letters as bytes.
 
+use ltbw::distributed;
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::LocalMesh;
 use ltbw::protocol::WorkerId;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw::refining::{DomainMesh, Ending, RoundFigures, rounds_on_team};
-use ltbw::team::{LONGEST, Post, Team};
+use ltbw::team::{Kind, LONGEST, Post, Team};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::transport::Mail;
 use ltbw::wire::{Wire, charged, open};
-use ltbw::{BuildError, Builder, CancelToken, Outcome, PointSet, invariants};
+use ltbw::{BuildError, Builder, CancelToken, Outcome, PointSet, canonical_hash};
 use ltbw_generate::layers::stack;
 use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain, surfaces};
 use ltbw_tests::domains::NAMED;
-use ltbw_tests::families::{Family, Size, all};
-use ltbw_tests::fuzz::wire::{DOMAIN, POINTS, wire};
+use ltbw_tests::fuzz::wire::{DOMAIN, PARTS, POINTS, together, wire};
 use ltbw_tests::teams::{on_team, recorded};
+use ltbw_verify as verify;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::time::Duration;
-
-#[test]
-fn families_on_teams_have_the_sequential_hash() {
-    let mut messages = 0;
-    for Family { name, points } in all(Size::Moderate) {
-        let set = PointSet::new(points).expect("finite points");
-        let expected = Builder::new().build(&set).expect("a mesh");
-        let hash = expected.mesh.hash().expect("a hash");
-        for members in [1, 2, 4, 7] {
-            let ends = on_team(members, |team| {
-                let built = Builder::new().parts().build_on(team, &set).expect("a mesh");
-                (built, team.figures())
-            });
-            messages += ends.iter().map(|(_, figures)| figures.messages).sum::<u64>();
-            let mut built = ends.into_iter().filter_map(|(built, _)| built);
-            let first = built.next().expect("the first member's mesh");
-            assert_eq!(first.mesh.hash().expect("a hash"), hash, "{name} on {members}");
-            assert_eq!(first.duplicates, expected.duplicates, "{name} on {members}");
-            assert_eq!(first.parts.len(), members as usize, "{name}");
-            assert!(built.next().is_none(), "one member has the mesh");
-        }
-    }
-    assert!(messages > 0, "no member ever spoke to another");
-}
 
 fn uniform(count: usize) -> PointSet {
     PointSet::new(generate(PointKind::Uniform, count, 5)).expect("points")
@@ -56,14 +33,14 @@ fn mails_may_be_late() {
     let member = |post| {
         let mut team = Team::new(post).latency(Duration::from_micros(300));
         let built = Builder::new().build_on(&mut team, &set).expect("a mesh");
-        built.map(|built| built.mesh.hash().expect("a hash"))
+        distributed::hash(&mut team, &built.part).expect("a hash").hash
     };
     let hashes: Vec<_> = std::thread::scope(|scope| {
         let run = |post| scope.spawn(move || member(post));
         let all: Vec<_> = ltbw::team::threads(3).into_iter().map(run).collect();
         all.into_iter().map(|thread| thread.join().expect("no panic")).collect()
     });
-    assert_eq!(hashes, [Some(hash), None, None]);
+    assert_eq!(hashes, [hash; 3]);
 }
 
 #[test]
@@ -90,12 +67,22 @@ fn a_member_that_is_stopped_stops_all() {
                     token.cancel();
                 }
             };
-            Builder::new().cancel(&token).observer(&stop).build_on(team, &set).expect("a mesh")
+            let builder = Builder::new().cancel(&token).observer(&stop);
+            let built = builder.build_on(team, &set).expect("a mesh");
+            let hashed = distributed::hash(team, &built.part).expect("a hash");
+            (built, hashed)
         });
-        let first = ends.into_iter().flatten().next().expect("the first member's mesh");
-        assert_eq!(first.outcome, Outcome::Cancelled, "member {victim}");
-        assert!(first.mesh.num_vertices() < set.len());
-        invariants::check_all(&first.mesh).expect("invariants of the mesh so far");
+        let tets: Vec<[u32; 4]> = ends.iter().flat_map(|(own, _)| own.part.numbered()).collect();
+        let hash = canonical_hash(set.points(), &tets).expect("a hash");
+        for (built, hashed) in &ends {
+            assert_eq!(built.outcome, Outcome::Cancelled, "member {victim}");
+            assert!(hashed.vertices < set.len() as u64);
+            assert_eq!((hashed.hash, hashed.tets), (hash, tets.len() as u64));
+        }
+        // It is the mesh of its vertices.
+        let mesh = verify::Mesh::new(set.points(), &tets);
+        let report = verify::check(&mesh, &verify::Options::default());
+        assert!(report.passed(), "member {victim}: {report}");
     }
     let stopped = on_team(2, |team| {
         let token = CancelToken::new();
@@ -228,16 +215,17 @@ fn a_refinement_that_is_stopped_at_one_member_is_stopped() {
 /// All letters of runs on three members: about points, and about a domain.
 fn letters() -> [Vec<Vec<u8>>; 2] {
     let set = uniform(3000);
-    let of_points = recorded(3, |team| _ = Builder::new().build_on(team, &set).expect("a mesh"));
+    let run = |team: &mut Team<_>| _ = Builder::new().build_on(team, &set).expect("a mesh");
+    let of_points = recorded(3, Kind::Mail, run).concat();
     let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
     let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
     let refiner = Refiner::new().max_volume(3e-4).start(0);
-    let of_domain = recorded(3, |team| {
+    let of_domain = recorded(3, Kind::Mail, |team| {
         let (token, parallel) = (CancelToken::new(), Parallel::new(3));
         let whole = (&ready.domain, &ready.lattice);
         rounds_on_team(&refiner, whole, (&parallel, &token), team).expect("a mesh");
     });
-    [of_points, of_domain]
+    [of_points, of_domain.concat()]
 }
 
 /// Reads and writes letters: each comes as it was. By kind of message the bytes, and those that the
@@ -316,6 +304,48 @@ fn letters_that_make_no_sense_are_refused_by_name() {
         .expect("every letter is read or refused");
 }
 
+/// One of two members sends nonsense while they hash and check a mesh in parts.
+#[test]
+fn letters_about_parts_that_make_no_sense_are_refused_by_name() {
+    let sent = recorded(2, Kind::Team, together).pop().expect("the second member's letters");
+    let script = |letters: &[Vec<u8>]| {
+        let mut bytes = vec![PARTS];
+        for letter in letters {
+            bytes.extend((letter.len() as u16).to_le_bytes());
+            bytes.extend(letter);
+        }
+        bytes
+    };
+    let whole = script(&sent);
+    wire(&whole);
+    for k in 0..sent.len() {
+        // Cut, longer, all ones, or empty; and one letter too few.
+        let mut spoilt = sent.clone();
+        _ = spoilt[k].pop();
+        wire(&script(&spoilt));
+        spoilt[k].extend([1, 2, 3]);
+        wire(&script(&spoilt));
+        spoilt[k].iter_mut().skip(1).for_each(|byte| *byte = 0xff);
+        wire(&script(&spoilt));
+        spoilt[k].truncate(1);
+        wire(&script(&spoilt));
+        spoilt.remove(k);
+        wire(&script(&spoilt));
+    }
+    let change = (any::<prop::sample::Index>(), any::<u8>());
+    let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let mut runner = TestRunner::new_with_rng(config, rng);
+    runner
+        .run(&prop::collection::vec(change, 1..6), |changes| {
+            let mut bytes = whole.clone();
+            changes.iter().for_each(|(at, byte)| bytes[1 + at.index(whole.len() - 1)] = *byte);
+            wire(&bytes);
+            Ok(())
+        })
+        .expect("all letters are understood or refused");
+}
+
 /// News in news in news would take the stack, two bytes a level.
 #[test]
 fn news_within_news_within_news_are_refused() {
@@ -361,8 +391,8 @@ impl<P: Post> Post for Garbled<P> {
         self.0.members()
     }
 
-    fn send(&mut self, to: WorkerId, kind: ltbw::team::Kind, mut letter: Vec<u8>) {
-        if self.me() == WorkerId::new(1) && kind == ltbw::team::Kind::Mail {
+    fn send(&mut self, to: WorkerId, kind: Kind, mut letter: Vec<u8>) {
+        if self.me() == WorkerId::new(1) && kind == Kind::Mail {
             letter.iter_mut().for_each(|byte| *byte = 0xff);
         }
         self.0.send(to, kind, letter);
@@ -372,7 +402,7 @@ impl<P: Post> Post for Garbled<P> {
         self.0.flush();
     }
 
-    fn take(&mut self) -> Option<(WorkerId, ltbw::team::Kind, Vec<u8>)> {
+    fn take(&mut self) -> Option<(WorkerId, Kind, Vec<u8>)> {
         self.0.take()
     }
 

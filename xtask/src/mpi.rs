@@ -83,6 +83,10 @@ pub(crate) fn run(rest: &[String]) -> Result<(), String> {
         bench.compare(input, &alone, Way { count: most, network: &TCP, late: None })?;
         bench.compare(input, &alone, Way { count: 2, network: &[], late: Some("300") })?;
         runs += 2;
+        if input.arguments.first().is_some_and(|command| command == "delaunay") {
+            bench.in_parts(input, most)?;
+            runs += 1;
+        }
     }
     println!("{} inputs, {runs} runs: one hash each", inputs.len());
     let count = faults::run(&bench)?;
@@ -198,6 +202,20 @@ impl Bench {
         }
         println!("{what}: {:.2} s", outcome.seconds);
         Ok(())
+    }
+
+    /// Lets each process write its part: together they are the mesh that `ltbw` has certified.
+    fn in_parts(&self, input: &Input, count: u32) -> Result<(), String> {
+        let mut job = self.job(count, &[]);
+        job.arg(&self.ranked).arg("--quiet").args(&input.arguments).args(["-o", "parts.pvtu"]);
+        let outcome = watched(&mut job, WATCHDOG)?;
+        let check = words_of(&["check", "parts.pvtu", "--certificate", "alone.json"]);
+        let checked = self.ltbw(&check)?;
+        let what = format!("{} in {count} parts", input.name);
+        match (outcome.code, checked.code) {
+            (Some(0), Some(0)) => Ok(println!("{what}: read back")),
+            codes => Err(format!("{what}: {codes:?}\n{}{}", outcome.stderr, checked.stderr)),
+        }
     }
 
     /// A job of this many processes, whose program is still to be named.

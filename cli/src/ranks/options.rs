@@ -1,4 +1,4 @@
-//! The options of a process that is one of several: the first one alone checks and writes.
+//! The options of a process that is one of several.
 
 use crate::args::{Delaunay, Depth, MeshArgs};
 use crate::outcome::Failure;
@@ -33,18 +33,17 @@ fn refused(options: &[Asked], input: &Path) -> Result<(), Failure> {
 }
 
 impl Delaunay {
-    /// For one of several processes: the first one alone checks and writes.
+    /// For one of several processes: all check and write their parts, the first one alone reports.
     pub(crate) fn for_ranks(&mut self, is_first: bool) -> Result<(), Failure> {
         let options = [
             Asked::new("--balance", self.balance),
             Asked::new("--tables", self.tables),
+            Asked::new("--without", self.without.is_some()),
             Asked::new("--trace", self.trace.is_some()),
         ];
         refused(&options, &self.points)?;
         if !is_first {
-            (self.json, self.page, self.check) = (None, None, Depth::Off);
-            self.output.clear();
-            self.streams.keep_input(&self.points);
+            self.json = None;
         }
         Ok(())
     }

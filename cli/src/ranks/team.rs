@@ -2,17 +2,20 @@
 
 use crate::args::{Args, Command};
 use crate::binding::{Read, sha256};
-use crate::others::Ranks;
+use crate::others::{Apart, Ranks};
 use crate::outcome::{Exit, Failure};
 use crate::{console, dispatch, machine, refusal};
 use clap::Parser;
+use ltbw::distributed::{self, Gathered, Hashed, Part};
 use ltbw::domain::Prepared;
+use ltbw::protocol::WorkerId;
 use ltbw::refine::Refiner;
 use ltbw::refining::{RefineError, ThreadedRounds, rounds_on_team};
 use ltbw::team::{LetterFigures, Post, Team, TeamError};
-use ltbw::threads::{Parallel, RunError};
-use ltbw::wire::VERSION;
-use ltbw::{Builder, Built, CancelToken, PointSet};
+use ltbw::threads::{BuiltPart, Parallel, RunError};
+use ltbw::wire::{VERSION, WireError};
+use ltbw::{Builder, CancelToken, PointSet};
+use ltbw_verify as verify;
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::ffi::OsString;
@@ -60,10 +63,9 @@ impl<P: Post> Member<'_, P> {
         let all = self.team.borrow_mut().gather_all(own).map_err(|error| self.lost(&error))?;
         let refusal = (0..).zip(&all).find_map(|(rank, word): (u32, _)| match word {
             Word::Ready(_) => None,
-            Word::Refuses(code, why) => Some(match rank {
-                0 => Failure::Agreed { code: *code, why: why.clone() },
-                _ => Failure::Agreed { code: *code, why: format!("rank {rank}: {why}") },
-            }),
+            Word::Refuses(code, why) => {
+                Some(Failure::Agreed { code: *code, why: of_rank(rank, why) })
+            }
         });
         let other = all.iter().position(|word| *word != all[0]);
         match (refusal, other) {
@@ -92,12 +94,8 @@ impl<P: Post> Ranks for Member<'_, P> {
         self.speak(&Word::Ready(fingerprint(inputs)))
     }
 
-    fn build(&self, builder: &Builder<'_>, set: &PointSet) -> Result<Option<Built>, RunError> {
-        let built = builder.build_on(*self.team.borrow_mut(), set);
-        // The points are the same everywhere.
-        let is_lost = |error: &RunError| !matches!(error, RunError::Build(_));
-        self.is_broken.set(built.as_ref().is_err_and(is_lost));
-        built
+    fn apart(&self) -> &dyn Apart {
+        self
     }
 
     fn refine(
@@ -118,6 +116,93 @@ impl<P: Post> Ranks for Member<'_, P> {
         };
         self.is_broken.set(refined.as_ref().is_err_and(is_lost));
         refined
+    }
+}
+
+impl<P: Post> Apart for Member<'_, P> {
+    fn size(&self) -> u32 {
+        self.team.borrow().size()
+    }
+
+    fn me(&self) -> u32 {
+        self.team.borrow().me().number()
+    }
+
+    fn build(&self, builder: &Builder<'_>, set: &PointSet) -> Result<BuiltPart, RunError> {
+        let built = builder.build_on(*self.team.borrow_mut(), set);
+        // The points are the same everywhere.
+        let is_lost = |error: &RunError| !matches!(error, RunError::Build(_));
+        self.is_broken.set(built.as_ref().is_err_and(is_lost));
+        built
+    }
+
+    fn hash(&self, part: &Part) -> Result<Hashed, Failure> {
+        let hashed = distributed::hash(*self.team.borrow_mut(), part);
+        hashed.map_err(|error| self.lost(&error))
+    }
+
+    fn check(
+        &self,
+        part: &verify::Part<'_>,
+        options: &verify::Options,
+    ) -> Result<verify::Report, Failure> {
+        let report = verify::check_parted(&mut Judge(*self.team.borrow_mut()), part, options);
+        report.map_err(|error| self.lost(&error))
+    }
+
+    fn gather(&self, part: &Part, points: usize) -> Result<Option<Gathered>, Failure> {
+        let gathered = distributed::gather(*self.team.borrow_mut(), part, points);
+        gathered.map_err(|error| self.lost(&error))
+    }
+
+    fn compare(&self, own: Option<&Failure>) -> Result<(), Failure> {
+        let own = own.map(|failure| (failure.code(), failure.to_string()));
+        let all = self.team.borrow_mut().gather_all(&own).map_err(|error| self.lost(&error))?;
+        let first = (0..).zip(all).find_map(|(rank, own): (u32, _)| Some((rank, own?)));
+        match first {
+            None => Ok(()),
+            Some((rank, (code, why))) => Err(Failure::Agreed { code, why: of_rank(rank, &why) }),
+        }
+    }
+}
+
+/// The word of a process, for people: the first one needs no name.
+fn of_rank(rank: u32, why: &str) -> String {
+    match rank {
+        0 => why.to_owned(),
+        _ => format!("rank {rank}: {why}"),
+    }
+}
+
+/// The way of the checker, which knows nothing of teams.
+struct Judge<'t, P>(&'t mut Team<P>);
+
+impl<P: Post> verify::Exchange for Judge<'_, P> {
+    type Error = TeamError;
+
+    fn me(&self) -> usize {
+        self.0.me().index()
+    }
+
+    fn members(&self) -> usize {
+        self.0.size() as usize
+    }
+
+    fn exchange(&mut self, parts: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>, TeamError> {
+        self.0.exchange(parts)
+    }
+
+    fn in_turn(
+        &mut self,
+        first: Vec<u8>,
+        own: &mut dyn FnMut(Vec<u8>) -> Vec<u8>,
+    ) -> Result<Vec<u8>, TeamError> {
+        self.0.in_turn(first, |before| Ok(own(before)))
+    }
+
+    fn nonsense(&self, from: usize, what: &'static str) -> TeamError {
+        let (from, reason) = (WorkerId::new(from as u32), what.to_owned());
+        WireError { from, at: 0, length: 0, reason }.into()
     }
 }
 

@@ -77,7 +77,10 @@ pub use format::{Encoding, Format, MshVersion, WriteOptions};
 use ltbw_core::{BoundaryFace, CancelToken, TetMesh};
 use ltbw_domain::{Domain, Given};
 use ltbw_exact::Point;
-pub use parts::{check_parts_writable, is_parts, part_files, write_parts, write_parts_until};
+pub use parts::{
+    Arrays, PartOf, Piece, Unnamed, check_parts_writable, is_parts, part_files, write_list,
+    write_part, write_parts, write_parts_until,
+};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 pub use streams::{

@@ -387,7 +387,8 @@ fn pieces_are_put_together_at_their_common_vertices() {
     let mut second = piece(&mesh, 1);
     // The sign of a zero is no other place.
     second.points.iter_mut().flatten().filter(|c| **c == 0.0).for_each(|c| *c = -0.0);
-    io::write_parts(&path, &[empty, piece(&mesh, 0), second]).unwrap();
+    let numbered = |mesh: TetMesh| io::Piece { numbers: vec![3; mesh.points.len()], mesh };
+    io::write_parts(&path, &[empty, piece(&mesh, 0), second].map(numbered)).unwrap();
     assert_eq!(io::read_mesh(&path).unwrap(), mesh);
     let files = io::mesh_files(&path);
     assert_eq!(files, io::part_files(&path, 3));

@@ -102,9 +102,8 @@ pub fn canonical_hash(points: &[Point], tets: &[[u32; 4]]) -> Result<MeshHash, H
         .collect();
     rows.par_sort_unstable();
 
-    let mut sha = Sha256::new();
+    let mut sha = Sha256::new_with_prefix(b"ltbw.mesh/1\n");
     let mut block = Vec::with_capacity(1 << 16);
-    sha.update(b"ltbw.mesh/1\n");
     sha.update((used.len() as u64).to_le_bytes());
     for chunk in used.chunks(2048) {
         block.clear();

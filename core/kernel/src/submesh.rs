@@ -378,8 +378,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
 
     /// The work done so far.
     pub fn work(&self) -> Work {
-        let tests = self.geometry.stats.insphere_calls;
-        Work { walk_steps: self.steps, tests, made: self.made }
+        Work { walk_steps: self.steps, tests: self.predicates().insphere_calls, made: self.made }
     }
 
     /// Tags `t`: should an insertion remove it, its tag is among [`Submesh::take_removed_tags`]

@@ -1,9 +1,9 @@
 //! A submesh at its end as a value that travels to whoever puts all together.
 
-use super::{LocalMesh, Place, SharedInput, VertexName, WireVertex};
+use super::{LocalMesh, Place, SharedInput, VertexName, WireVertex, given};
 use crate::protocol::{Handle, Name, SubmeshError, WorkerId};
 use ltbw_core::submesh::MeshParams;
-use ltbw_core::topology::{FaceId, MAX_TETS, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Mode;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -83,6 +83,21 @@ pub(crate) fn share_of(mesh: &LocalMesh) -> (Share, Vec<TetId>) {
         duplicates: mesh.duplicates.clone(),
     };
     (share, slots)
+}
+
+impl LocalMesh {
+    /// The facets of the hull whose ghosts are here, of given vertices alone, by their places.
+    pub(crate) fn given_ghosts(&self) -> impl Iterator<Item = [Place; 3]> + '_ {
+        self.tets.tets().filter(|(_, v)| v[3] == INFINITE).filter_map(|(_, [a, b, c, _])| {
+            let [a, b, c] = [a, b, c].map(|v| given(self.vertices.name(v)));
+            Some([a?, b?, c?])
+        })
+    }
+
+    /// The given points that were vertices already: their places, and those of the vertices.
+    pub(crate) fn given_duplicates(&self) -> impl Iterator<Item = [Place; 2]> + '_ {
+        self.duplicates.iter().filter_map(|&(point, v)| Some([given(point)?, given(v)?]))
+    }
 }
 
 /// The submeshes that shares are of; `like` is one of the same mesh, whose points are computed with

@@ -264,8 +264,9 @@ impl Layout {
                     Some(Fixed { ownership: self.ownership, each: self.blocks_per_worker });
             }
             if self.reserve {
-                // The first one receives all others in the end.
-                let share = if me == WorkerId::default() { points.len() } else { range.len() };
+                // The first one receives all others in the end, if they are here.
+                let is_first = me == WorkerId::default() && of.is_none();
+                let share = if is_first { points.len() } else { range.len() };
                 mesh.tets.reserve(7 * share + share / 4 + 1024);
             }
             mesh.tets

@@ -129,7 +129,7 @@ impl<P: Post> Team<P> {
     }
 
     /// Sends bytes to another member, in pieces.
-    fn send(&mut self, to: WorkerId, bytes: &[u8]) {
+    pub(crate) fn send(&mut self, to: WorkerId, bytes: &[u8]) {
         let mut pieces = bytes.chunks(PIECE).peekable();
         if pieces.peek().is_none() {
             self.post.send(to, Kind::Team, vec![LAST]);
@@ -147,7 +147,10 @@ impl<P: Post> Team<P> {
     ///
     /// Ends: a member sends what all have agreed upon, or fails, which is heard; and whatever
     /// carries the letters ends all members when one is lost.
-    fn receive(&mut self, from: WorkerId) -> Result<Vec<u8>, TeamError> {
+    ///
+    /// # Errors
+    /// [`TeamError`] if a member has failed.
+    pub(crate) fn receive(&mut self, from: WorkerId) -> Result<Vec<u8>, TeamError> {
         let mut bytes = Vec::new();
         loop {
             self.sort();
@@ -274,6 +277,32 @@ impl<P: Post> Team<P> {
     pub fn is_any(&mut self, own: bool) -> Result<bool, TeamError> {
         let any = self.gather_values(&own)?.map(|all| all.contains(&true));
         self.tell_value(any)
+    }
+
+    /// Goes through all members in their order: each makes something of what the one before it has
+    /// made, the first one of `first`. All get what the last one has made.
+    ///
+    /// # Errors
+    /// [`TeamError`] if a member has failed, and that of `own`.
+    pub fn in_turn(
+        &mut self,
+        first: Vec<u8>,
+        own: impl FnOnce(Vec<u8>) -> Result<Vec<u8>, TeamError>,
+    ) -> Result<Vec<u8>, TeamError> {
+        let (me, size) = (self.me().number(), self.size());
+        let before = match me.checked_sub(1) {
+            None => first,
+            Some(before) => self.receive(WorkerId::new(before))?,
+        };
+        let mut made = own(before)?;
+        // From the last one to the first, who tells it to all.
+        if size > 1 {
+            self.send(WorkerId::new((me + 1) % size), &made);
+        }
+        if me == 0 && size > 1 {
+            made = self.receive(WorkerId::new(size - 1))?;
+        }
+        self.tell(made)
     }
 
     /// Each member gets what the others have for it: parts by receiver in, by sender out.

@@ -15,6 +15,9 @@ mod worker_loop;
 
 pub use distributed::Distributed;
 pub use failure::RunError;
+#[cfg(feature = "wire")]
+#[doc(hidden)]
+pub use ranks::BuiltPart;
 #[doc(hidden)]
 pub use worker_loop::{Broken, Ended, Loop, RuntimeHooks};
 

@@ -1,27 +1,99 @@
-//! Letters between workers: the first byte says of which kind, the others are the letter.
+//! Letters between workers: the first byte says of which kind, the others are the letter; or
+//! letters, each with its length before it, that one of two members sends while both hash and check
+//! a mesh of which each has a part.
 //!
 //! A letter that can be read can be written, and read again, as it was; another one is refused by
 //! the name of its sender. Neither takes more memory than a few times the letter's, as a nested or
 //! an announced length would.
 
+use crate::teams::Judge;
+use ltbw::distributed::{self, Part};
 use ltbw::mesh::LocalMesh;
 use ltbw::protocol::WorkerId;
 use ltbw::refining::DomainMesh;
+use ltbw::team::{Kind, Post, Team, TeamError};
 use ltbw::transport::Mail;
 use ltbw::wire::{Wire, open};
+use ltbw::{Builder, Point, PointSet};
+use ltbw_verify::{Options, check_parted};
+use std::time::Duration;
 
 /// The first byte of a letter about points, and of one about a domain.
 pub const POINTS: u8 = 0;
 /// See [`POINTS`].
 pub const DOMAIN: u8 = 1;
+/// The first byte before letters about parts.
+pub const PARTS: u8 = 2;
 
 /// The fuzz target.
 pub fn wire(bytes: &[u8]) {
     let Some((kind, letter)) = bytes.split_first() else { return };
-    match kind % 2 {
+    match kind % 3 {
         POINTS => read::<Mail<LocalMesh>>(letter),
-        _ => read::<Mail<DomainMesh<'static>>>(letter),
+        DOMAIN => read::<Mail<DomainMesh<'static>>>(letter),
+        _ => together(&mut Team::new(Told(letter))),
     }
+}
+
+/// Hashes, gathers and checks a small mesh as a member of two, whatever the other one sends; ends
+/// with the first thing that makes no sense.
+pub fn together<P: Post>(team: &mut Team<P>) {
+    let points: Vec<Point> =
+        (0..12).map(|k| [k * 7 % 5, k * 3 % 4, k % 3].map(f64::from)).collect();
+    let set = PointSet::new(points).expect("finite points");
+    let mesh = Builder::new().build(&set).expect("a mesh").mesh;
+    let me = team.me().index();
+    let own = mesh.tets().enumerate().filter(|(k, _)| k % 2 == me).map(|(_, tet)| tet);
+    let part = Part {
+        numbers: (0..12).collect(),
+        points: set.points().to_vec(),
+        tets: own.collect(),
+        hull: Vec::new(),
+    };
+    let given = &set.points()[6 * me..6 * me + 6];
+    let Part { numbers, points, tets, .. } = &part;
+    let judged = ltbw_verify::Part { points, numbers, tets, given };
+    let mut run = || -> Result<(), TeamError> {
+        check_parted(&mut Judge(team), &judged, &Options::default())?;
+        distributed::hash(team, &part)?;
+        distributed::gather(team, &part, set.len()).map(drop)
+    };
+    if let Err(error) = run() {
+        assert!(error.to_string().contains("worker 1"), "{error}");
+    }
+}
+
+/// The post of the first of two members, to whom the other has sent all of its letters already:
+/// each with two bytes of length before it. Then it has failed.
+struct Told<'b>(&'b [u8]);
+
+impl Post for Told<'_> {
+    fn me(&self) -> WorkerId {
+        WorkerId::default()
+    }
+
+    fn members(&self) -> u32 {
+        2
+    }
+
+    fn send(&mut self, _: WorkerId, _: Kind, _: Vec<u8>) {}
+
+    fn flush(&mut self) {}
+
+    fn take(&mut self) -> Option<(WorkerId, Kind, Vec<u8>)> {
+        let (length, rest) = self.0.split_first_chunk::<2>()?;
+        let (letter, rest) = rest.split_at(rest.len().min(u16::from_le_bytes(*length) as usize));
+        self.0 = rest;
+        Some((WorkerId::new(1), Kind::Team, letter.to_vec()))
+    }
+
+    fn wait(&mut self, _: Option<Duration>) {}
+
+    fn failed(&self) -> Option<WorkerId> {
+        (self.0.len() < 2).then_some(WorkerId::new(1))
+    }
+
+    fn fail(&mut self) {}
 }
 
 fn read<M: Wire>(letter: &[u8]) {

@@ -8,7 +8,10 @@
 
 mod flips;
 mod lists;
+mod parted;
 mod places;
+
+pub use parted::{Among, Deal, try_plant_in_parts};
 
 use crate::oracle;
 use ltbw::topology::TetId;

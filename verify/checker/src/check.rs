@@ -8,7 +8,7 @@ use crate::faces::{self, Faces};
 use crate::geometry::{self, Oriented};
 use crate::hash;
 use crate::mesh::{Depth, Mesh, Options};
-use crate::report::{Counts, Hash, Information, LevelReport, Outcome, Report};
+use crate::report::{Counts, Hash, Information, Ran, Report, outcomes};
 use crate::structure::{self, Sound};
 use crate::topology::{self, Hull};
 use crate::{hull, predicates::Tally};
@@ -114,8 +114,8 @@ struct Run<'a> {
     options: &'a Options,
     asked: Asked,
     findings: Findings,
-    /// Per level: tests, tests that could not be posed, and whether the level was run.
-    levels: [(Tally, u64, bool); 6],
+    /// By level.
+    levels: [Ran; 6],
     volume: f64,
     mirrored: bool,
 }
@@ -156,15 +156,15 @@ impl<'a> Run<'a> {
     fn take(&mut self, level: Level, part: Partial) {
         self.findings.merge(part.findings);
         self.tally(level, part.tally);
-        self.levels[level as usize].1 += part.untested;
+        self.levels[level as usize].untested += part.untested;
     }
 
     fn tally(&mut self, level: Level, tally: Tally) {
-        self.levels[level as usize].0.merge(tally);
+        self.levels[level as usize].tally.merge(tally);
     }
 
     fn done(&mut self, level: Level) {
-        self.levels[level as usize].2 = true;
+        self.levels[level as usize].ran = true;
     }
 
     /// The report of a mesh that was proved from its claimed adjacency.
@@ -279,7 +279,7 @@ impl<'a> Run<'a> {
         if sane && self.findings.count(Level::Delaunay) == 0 {
             self.take(Level::Delaunay, hull::once_around(oriented, &faces.hull, 0, limit));
         } else {
-            self.levels[Level::Delaunay as usize].1 += 1;
+            self.levels[Level::Delaunay as usize].untested += 1;
         }
         self.done(Level::Delaunay);
         if canonical {
@@ -289,9 +289,9 @@ impl<'a> Run<'a> {
 
     /// Runs the level *overlap*. Nothing overlaps in what the theorem says to be a tiling.
     fn overlap(&mut self, oriented: &Oriented, faces: &Faces) {
-        let is_tiling = Level::ALL[..4]
-            .iter()
-            .all(|&level| self.findings.count(level) == 0 && self.levels[level as usize].1 == 0);
+        let is_tiling = Level::ALL[..4].iter().all(|&level| {
+            self.findings.count(level) == 0 && self.levels[level as usize].untested == 0
+        });
         if !is_tiling {
             let part = elements::contacts(oriented, faces, self.options.max_defects);
             self.take(Level::Overlap, part);
@@ -310,22 +310,11 @@ impl<'a> Run<'a> {
 
     fn report(mut self, counts: &Counts, hash: Hash) -> Report {
         let information = (self.asked != Asked::Canonical).then(|| self.information());
-        let mut sane = true;
-        let of_level = |&level: &Level| {
-            let (tally, untested, ran) = self.levels[level as usize];
-            let defects = self.findings.count(level);
-            let outcome = match () {
-                () if defects > 0 => Outcome::Failed,
-                () if !ran || !self.asked.includes(level) => Outcome::Skipped,
-                () if untested > 0 || !sane => Outcome::Incomplete,
-                () => Outcome::Passed,
-            };
-            sane &= outcome == Outcome::Passed;
-            let Tally { filter, exact } = tally;
-            LevelReport { level, outcome, filter, exact, untested, defects }
-        };
+        let defects = |level| self.findings.count(level);
+        let includes = |level| self.asked.includes(level);
+        let levels = outcomes(self.asked.levels(), &self.levels, defects, includes);
         Report {
-            levels: self.asked.levels().iter().map(of_level).collect(),
+            levels,
             defects: self.findings.defects(self.mesh.points),
             defect_counts: self.findings.counts,
             counts: *counts,
@@ -333,6 +322,7 @@ impl<'a> Run<'a> {
             mirrored: self.mirrored,
             hash,
             information,
+            parts: None,
         }
     }
 }

@@ -67,6 +67,9 @@ macro_rules! kinds {
         pub enum Kind { $($(#[doc = $doc])+ #[serde(rename = $name)] $kind,)+ }
 
         impl Kind {
+            /// All of them, in order.
+            pub(crate) const EVERY: &'static [Self] = &[$(Self::$kind),+];
+
             /// The level that the defect belongs to.
             pub fn level(self) -> Level {
                 match self { $(Self::$kind => Level::$level,)+ }

@@ -124,12 +124,15 @@ pub(crate) fn once_around(mesh: &Oriented, facets: &[u32], inner: usize, limit: 
         let mut part = Partial::new(limit);
         for &code in &facets[range] {
             let facet = outward(code);
-            let [a, b, c] = facet.map(|v| mesh.at(v));
-            let signs = corners.map(|p| orient3d([a, b, c, p], &mut part.tally));
-            if signs.contains(&1) || signs == [0; 4] {
-                part.findings.add(Kind::HullTurnedAway, &[code >> 2], &facet);
-            } else if code != first && ray.meets([a, b, c], &mut part) {
-                part.findings.add(Kind::HullWoundTwice, &[first >> 2, code >> 2], &facet);
+            let points = facet.map(|v| mesh.at(v));
+            match ray.turned(corners, points, code == first, &mut part) {
+                None => {}
+                Some(Turned::Away) => {
+                    part.findings.add(Kind::HullTurnedAway, &[code >> 2], &facet);
+                }
+                Some(Turned::Twice) => {
+                    part.findings.add(Kind::HullWoundTwice, &[first >> 2, code >> 2], &facet);
+                }
             }
         }
         part
@@ -138,8 +141,16 @@ pub(crate) fn once_around(mesh: &Oriented, facets: &[u32], inner: usize, limit: 
     out
 }
 
+/// Why a facet of the hull is not where the facets of a convex body are.
+pub(crate) enum Turned {
+    /// Its outer side faces the inner tetrahedron.
+    Away,
+    /// The ray leaves through it, too.
+    Twice,
+}
+
 /// The ray from the centre O of four points through the centre Q of three.
-struct Ray {
+pub(crate) struct Ray {
     origin: [Point; 4],
     target: [Point; 3],
     /// O and Q, rounded.
@@ -149,7 +160,7 @@ struct Ray {
 }
 
 impl Ray {
-    fn new(origin: [&Point; 4], target: [&Point; 3]) -> Self {
+    pub(crate) fn new(origin: [&Point; 4], target: [&Point; 3]) -> Self {
         let mean = |points: &[&Point], weight: f64| {
             [0, 1, 2].map(|k| points.iter().map(|p| p[k] * weight).sum::<f64>())
         };
@@ -157,6 +168,22 @@ impl Ray {
         let size = all.fold(0.0f64, |m, c| m.max(c.abs()));
         let rounded = (mean(&origin, 0.25), mean(&target, 1.0 / 3.0));
         Self { origin: origin.map(|p| *p), target: target.map(|p| *p), rounded, size }
+    }
+
+    /// Tests a facet of the hull, outward; `corners` are those of the ray's origin, and the facet
+    /// may be the `first` one, through which the ray goes.
+    pub(crate) fn turned(
+        &self,
+        corners: [&Point; 4],
+        [a, b, c]: [&Point; 3],
+        first: bool,
+        part: &mut Partial,
+    ) -> Option<Turned> {
+        let signs = corners.map(|p| orient3d([a, b, c, p], &mut part.tally));
+        if signs.contains(&1) || signs == [0; 4] {
+            return Some(Turned::Away);
+        }
+        (!first && self.meets([a, b, c], part)).then_some(Turned::Twice)
     }
 
     /// Whether the ray meets the triangle `abc`, whose plane has O strictly inside.

@@ -45,6 +45,10 @@
 //! goes through the levels on its own adjacency and names what is wrong. The report is the same
 //! either way. Whoever wants every test made all the same leaves the adjacency out.
 //!
+//! *In parts* ([`check_parted`], `parted/`) the same premises are tested by members of a team, each
+//! of which has a part of the mesh: inside a part by the code for whole meshes, between parts where
+//! their faces meet.
+//!
 //! # Theorem
 //!
 //! *If the levels up to Delaunay pass, at either depth, the tetrahedra tile the convex hull of
@@ -118,6 +122,7 @@ mod geometry;
 mod hash;
 mod hull;
 mod mesh;
+mod parted;
 mod perturb;
 mod places;
 mod predicates;
@@ -134,6 +139,7 @@ pub use conform::{
 pub use defect::{Defect, Kind, Level};
 pub use hash::{HashError, canonical_hash};
 pub use mesh::{Depth, Mesh, NO_NEIGHBOUR, Options, Point, VertexOrder};
+pub use parted::{Exchange, Part, check_parted};
 pub use report::{Certificate, Counts, Hash, Information, LevelReport, Outcome, Report};
 
 /// Examples of the README, as tests.

@@ -1,6 +1,7 @@
 //! The checker's findings, and the certificate `ltbw.cert/1` made from them.
 
 use crate::defect::{Defect, Kind, Level};
+use crate::predicates::Tally;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -101,6 +102,42 @@ pub struct Report {
     /// element mesh, as `defects` and `defect_counts` have those that are; `None` from
     /// [`check`](crate::check).
     pub information: Option<Information>,
+    /// Number of parts of a mesh that was checked in parts.
+    pub parts: Option<u64>,
+}
+
+/// The tests of a level.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Ran {
+    pub(crate) tally: Tally,
+    /// Tests that could not be posed.
+    pub(crate) untested: u64,
+    /// The level was run.
+    pub(crate) ran: bool,
+}
+
+/// The outcomes of levels in their order; `includes` says which are asked for.
+pub(crate) fn outcomes(
+    levels: &[Level],
+    ran: &[Ran; 6],
+    defects: impl Fn(Level) -> u64,
+    includes: impl Fn(Level) -> bool,
+) -> Vec<LevelReport> {
+    let mut sane = true;
+    let of_level = |&level: &Level| {
+        let Ran { tally, untested, ran } = ran[level as usize];
+        let defects = defects(level);
+        let outcome = match () {
+            () if defects > 0 => Outcome::Failed,
+            () if !ran || !includes(level) => Outcome::Skipped,
+            () if untested > 0 || !sane => Outcome::Incomplete,
+            () => Outcome::Passed,
+        };
+        sane &= outcome == Outcome::Passed;
+        let Tally { filter, exact } = tally;
+        LevelReport { level, outcome, filter, exact, untested, defects }
+    };
+    levels.iter().map(of_level).collect()
 }
 
 /// Findings that are no defects.
@@ -171,6 +208,7 @@ impl Report {
             levels: &self.levels,
             defect_counts: &self.defect_counts,
             defects: &self.defects,
+            parts: self.parts,
             judged_as: self.information.as_ref().map(|_| "elements"),
             information: self.information.as_ref(),
         }
@@ -188,6 +226,8 @@ pub struct Certificate<'a> {
     levels: &'a [LevelReport],
     defect_counts: &'a BTreeMap<Kind, u64>,
     defects: &'a [Defect],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parts: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     judged_as: Option<&'static str>,
     #[serde(flatten)]

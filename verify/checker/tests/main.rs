@@ -7,5 +7,6 @@ mod domains;
 mod exterior;
 mod growth;
 mod meshes;
+mod parted;
 mod patches;
 mod words;

@@ -20,7 +20,7 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
     let folder = &bench.folder;
     fs::write(folder.join("nan.xyz"), "0 0 0\n1 0 0\n0 NaN 0\n0 0 1\n1 1 1\n")
         .map_err(|error| error.to_string())?;
-    let refusals: [(&[&str], i32, &str); 8] = [
+    let refusals: [(&[&str], i32, &str); 9] = [
         (&["delaunay", "missing.npy"], 3, "missing.npy"),
         (&["delaunay", "nan.xyz"], 3, "not a finite number"),
         (&["mesh", "uniform-40.npy"], 3, "uniform-40.npy"),
@@ -29,6 +29,7 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
         (&["delaunay", "-", "--format", "npy"], 2, "stdin"),
         (&["delaunay", "uniform-40.npy", "--threads", "2", "--balance"], 2, "--balance"),
         (&["delaunay", "uniform-40.npy", "-o", "no-such-folder/m.vtu"], 6, "no-such-folder"),
+        (&["delaunay", "uniform-40.npy", "-o", "no-such-folder/m.pvtu"], 6, "no-such-folder"),
     ];
     let mut count = 0;
     for (arguments, code, word) in refusals {

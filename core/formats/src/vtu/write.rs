@@ -10,6 +10,11 @@ use ltbw_core::TetMesh;
 use ltbw_domain::quality::Array;
 use std::io::Write;
 
+/// The sections of points' data: with tags, with numbers, with both.
+const TAGS: &str = "PointData Scalars=\"tag\"";
+const NUMBERS: &str = "PointData GlobalIds=\"GlobalPointIds\"";
+const TAGS_AND_NUMBERS: &str = "PointData Scalars=\"tag\" GlobalIds=\"GlobalPointIds\"";
+
 /// The section of cells' data, where there are regions and where not.
 const REGIONS: &str = "CellData Scalars=\"region\"";
 const CELLS: &str = "CellData";
@@ -22,6 +27,7 @@ struct Column<'a> {
     /// The element that it stands in, with its attributes.
     section: &'static str,
     name: &'a str,
+    /// The type, and what else is told of it.
     kind: &'static str,
     rows: usize,
     /// Bytes of all rows in binary.
@@ -39,11 +45,35 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io
     write_with(out, mesh, &[], encoding)
 }
 
-/// Writes the part of a mesh that a worker has, with the worker's number at each tetrahedron.
-pub(crate) fn write_part(out: &mut dyn Write, mesh: &TetMesh, worker: i32) -> std::io::Result<()> {
+/// Writes the part of a mesh that a worker has, with the worker's number at each tetrahedron, and
+/// with those of its points in the whole.
+pub(crate) fn write_part(
+    out: &mut dyn Write,
+    mesh: &TetMesh,
+    numbers: &[u32],
+    worker: i32,
+) -> std::io::Result<()> {
     let cells = mesh.tets.len() + mesh.faces.len();
     let mut arrays = geometry(mesh, Encoding::Binary);
+    let points = arrays.len();
     arrays.extend(data(mesh, &[], Encoding::Binary));
+    let section = match arrays.get_mut(points).filter(|array| array.section == TAGS) {
+        Some(tags) => {
+            tags.section = TAGS_AND_NUMBERS;
+            TAGS_AND_NUMBERS
+        }
+        None => NUMBERS,
+    };
+    let ids = Column {
+        section,
+        name: "GlobalPointIds",
+        kind: "Int64\" IdType=\"1",
+        rows: numbers.len(),
+        bytes: 8 * numbers.len(),
+        row: Box::new(move |k, row| row.extend(i64::from(numbers[k]).to_le_bytes())),
+    };
+    let after = if section == NUMBERS { points } else { points + 1 };
+    arrays.insert(after, ids);
     arrays.push(Column {
         section: if mesh.tet_tags.is_some() { REGIONS } else { CELLS },
         name: "worker",
@@ -227,8 +257,7 @@ fn data<'a>(mesh: &'a TetMesh, values: &'a [Array], encoding: Encoding) -> Vec<C
     let owner = move |i: usize| if i < tets { i } else { faces[i - tets].tet };
     let mut arrays = Vec::new();
     if let Some(tags) = &mesh.point_tags {
-        let section = "PointData Scalars=\"tag\"";
-        arrays.push(integers(section, "tag", tags.len(), Box::new(move |i| tags[i])));
+        arrays.push(integers(TAGS, "tag", tags.len(), Box::new(move |i| tags[i])));
     }
     let section = match mesh.tet_tags {
         Some(_) => REGIONS,

@@ -1,7 +1,7 @@
 //! Submeshes put together to one mesh.
 
 use super::{FarTable, Submesh};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, PredicateStats};
 use crate::mesh::{Assembly, Mesh};
 use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId, slot_of, tet_of};
 
@@ -139,6 +139,11 @@ pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
 }
 
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
+    /// The numbers of predicate calls so far.
+    pub fn predicates(&self) -> PredicateStats {
+        self.geometry.stats
+    }
+
     /// The mesh alone, nothing locked or tagged, and what lies beyond its interface faces.
     fn settle(mut self) -> (Topology, Geometry, FarTable<F>) {
         for (t, sphere) in self.locks.spheres() {

@@ -5,6 +5,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step here is a failed test")]
 
+pub(crate) mod team;
+
 use ltbw_verify::{Kind, Report};
 
 /// A mesh that a test owns.

@@ -1,0 +1,47 @@
+//! A mesh of points that is nowhere in one place: each member of a team has a part of it, and what
+//! is asked of the whole is found by all together.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `records` | values of one size, many at a time, as bytes |
+//! | `sort` | what all members have, sorted: each gets a stretch of it |
+//! | `hash` | the hash `ltbw.mesh/1`, byte for byte |
+//! | `stream` | the bytes of that hash on their way |
+//! | `gather` | the tetrahedra alone at one place, for files that hold a whole mesh |
+//!
+//! No member holds more than a few times its share: vertices and tetrahedra are sorted into
+//! stretches of about equal length, and the bytes of the hash go through where they are.
+
+mod gather;
+mod hash;
+mod records;
+mod sort;
+mod stream;
+
+pub use gather::{Gathered, gather};
+pub use hash::{Hashed, hash};
+
+use ltbw_core::Vertex;
+use ltbw_exact::Point;
+
+/// One member's tetrahedra with their vertices. Each tetrahedron is in one part, a vertex in as
+/// many as have a tetrahedron at it; a part may be empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Part {
+    /// The numbers of the vertices in the input, ascending.
+    pub numbers: Vec<Vertex>,
+    /// Their coordinates in the input.
+    pub points: Vec<Point>,
+    /// The tetrahedra, positively oriented, by places in these lists.
+    pub tets: Vec<[u32; 4]>,
+    /// Facets of the hull, by numbers in the input. Each facet of the mesh is in one part, not
+    /// always in that of its tetrahedron.
+    pub hull: Vec<[Vertex; 3]>,
+}
+
+impl Part {
+    /// The tetrahedra by numbers in the input.
+    pub fn numbered(&self) -> impl ExactSizeIterator<Item = [Vertex; 4]> + '_ {
+        self.tets.iter().map(|tet| tet.map(|v| self.numbers[v as usize]))
+    }
+}

@@ -1,0 +1,68 @@
+//! Values of all members, sorted: each member gets a stretch of them, in the order of members.
+
+use super::records::{Record, bytes_of, values_of};
+use crate::protocol::WorkerId;
+use crate::team::{Post, Team, TeamError};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// Values of each member that say where the stretches are cut: with that many, none is longer than
+/// its share by more than a few hundredths.
+const SAMPLES: usize = 64;
+
+/// Brings sorted values of all members where they belong: every member gets a stretch of about
+/// equal length, by sender, each sorted. Equal values come to one member.
+///
+/// # Errors
+/// [`TeamError`] if a member has failed, or has sent no such values.
+pub(super) fn stretch_of<P, R>(team: &mut Team<P>, own: &[R]) -> Result<Vec<Vec<R>>, TeamError>
+where
+    P: Post,
+    R: Record + Ord + Serialize + DeserializeOwned,
+{
+    let cuts = cuts(team, own)?;
+    let mut from = 0;
+    let mut parts = Vec::with_capacity(team.size() as usize);
+    for until in cuts.iter().map(|cut| own.partition_point(|value| value < cut)) {
+        // Cuts ascend, whatever samples were told.
+        parts.push(bytes_of(own[from..until.max(from)].iter().copied()));
+        from = until.max(from);
+    }
+    parts.push(bytes_of(own[from..].iter().copied()));
+    let stretches = team.exchange(parts)?;
+    let by_sender = WorkerId::below(team.size()).zip(&stretches);
+    by_sender.map(|(sender, bytes)| Ok(values_of(sender, bytes)?.collect())).collect()
+}
+
+/// The first values of all stretches but the first: the same at all members.
+fn cuts<P, R>(team: &mut Team<P>, own: &[R]) -> Result<Vec<R>, TeamError>
+where
+    P: Post,
+    R: Record + Ord + Serialize + DeserializeOwned,
+{
+    let count = own.len().min(SAMPLES);
+    let samples: Vec<R> = (0..count).map(|k| own[(2 * k + 1) * own.len() / (2 * count)]).collect();
+    let all: Vec<(u64, Vec<R>)> = team.gather_all(&(own.len() as u64, samples))?;
+    // Each stands for as many values as any other of its member.
+    let weigh = |(length, samples): (u64, Vec<R>)| {
+        let weight = length as f64 / samples.len().max(1) as f64;
+        samples.into_iter().map(move |sample| (sample, weight))
+    };
+    let mut samples: Vec<(R, f64)> = all.into_iter().flat_map(weigh).collect();
+    samples.sort_by_key(|&(sample, _)| sample);
+    let whole: f64 = samples.iter().map(|&(_, weight)| weight).sum();
+    let members = team.size() as usize;
+    let (mut cuts, mut before) = (Vec::with_capacity(members - 1), 0.0);
+    for &(sample, weight) in &samples {
+        while cuts.len() + 1 < members && before >= whole * (cuts.len() + 1) as f64 / members as f64
+        {
+            cuts.push(sample);
+        }
+        before += weight;
+    }
+    // All the rest is the last cut's, and of those before it.
+    if let Some(&(last, _)) = samples.last() {
+        cuts.resize(members - 1, last);
+    }
+    Ok(cuts)
+}
