@@ -56,6 +56,8 @@ pub use complex::background::{Background, BackgroundError};
 pub use complex::carrier::Carrier;
 pub use mesh::bounds::SizeField;
 pub use mesh::item::Item;
+#[doc(hidden)]
+pub use mesh::limit::Limit;
 pub use mesh::region::RegionInfo;
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats, Spot};
 pub use output::excuse::Excused;
@@ -76,6 +78,8 @@ pub use rules::choice::{
 pub use rules::complex::{Complex, ComplexError, Start};
 #[doc(hidden)]
 pub use rules::group::Group;
+#[doc(hidden)]
+pub use rules::past::Past;
 #[doc(hidden)]
 pub use rules::surveyed::{Collected, Surveyed};
 #[doc(hidden)]

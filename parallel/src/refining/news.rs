@@ -5,7 +5,9 @@ use crate::mesh::VertexName;
 use crate::protocol::{Handle, Name, WorkerId};
 use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
-use ltbw_refine::{BoundaryItem, Carrier, Corner, Group, ItemPlace, NOWHERE, Rank, Rival, Watch};
+use ltbw_refine::{
+    BoundaryItem, Carrier, Corner, Group, ItemPlace, Limit, NOWHERE, Rank, Rival, Watch,
+};
 use smallvec::SmallVec;
 
 /// A point as bits: the protocol never sees a float.
@@ -56,6 +58,24 @@ impl WireItem {
     pub(crate) fn item(&self) -> BoundaryItem {
         let corners: SmallVec<[Corner; 3]> = self.corners.iter().map(WireCorner::corner).collect();
         BoundaryItem::new(&corners, self.of)
+    }
+}
+
+/// A limit of edges in a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
+pub struct WireLimit {
+    least: u64,
+    along: Option<u64>,
+}
+
+impl WireLimit {
+    pub(crate) fn new(limit: Limit) -> Self {
+        Self { least: limit.least.to_bits(), along: limit.along.map(f64::to_bits) }
+    }
+
+    pub(crate) fn limit(self) -> Limit {
+        Limit { least: f64::from_bits(self.least), along: self.along.map(f64::from_bits) }
     }
 }
 
@@ -287,8 +307,8 @@ pub enum DomainNews {
     Ask {
         /// The item.
         item: WireItem,
-        /// The bits of the shortest edge that this may lead to.
-        limit: Option<u64>,
+        /// The edges that this may lead to.
+        limit: Option<WireLimit>,
         /// Another item that waits for it.
         waiter: Option<ItemPlace>,
     },
@@ -378,7 +398,7 @@ impl DomainNews {
             Self::Report(report) => report.bytes(),
             Self::Fates(all) => 4 + all.len() as u64,
             Self::Rivals { rivals, .. } => 8 + rivals.len() as u64 / 2,
-            Self::Ask { item, waiter, .. } => item_bytes(item) + 9 + waiter.map_or(1, |_| PLACE),
+            Self::Ask { item, waiter, .. } => item_bytes(item) + 18 + waiter.map_or(1, |_| PLACE),
             Self::Gone(_) | Self::Release(_) => PLACE,
             Self::Ended(_) => 3 * 8,
             Self::Several(all) => all.iter().map(|news| 1 + news.bytes()).sum(),

@@ -241,6 +241,11 @@ impl Angles {
         self.sharp.is_empty() && self.wedges.is_empty()
     }
 
+    /// Do any rules count that are for small angles and near features?
+    pub(crate) fn matter(&self) -> bool {
+        self.relates() || !self.is_empty()
+    }
+
     /// The ends of a segment at which two facets meet at a small dihedral angle.
     pub(crate) fn hinge(&self, f: u32, g: u32) -> Option<[u32; 2]> {
         self.facets.get(&edge(f, g))?.list.iter().find_map(|reason| match *reason {

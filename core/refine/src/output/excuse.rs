@@ -15,18 +15,23 @@ use crate::table::{Map, Set};
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::Point;
 
+/// The middle of a boundary item, in the coordinates of the mesh.
+pub(crate) fn spot(item: Item, at: impl Fn(VertexId) -> Point, fine_step: f64) -> Spot {
+    let corners: &[VertexId] = match &item {
+        Item::Segment(s) => s,
+        Item::Subface(s) => s,
+        Item::Tet(_, v) => v,
+    };
+    let mut points: Vec<Point> = corners.iter().map(|&v| at(v)).collect();
+    points.sort_unstable_by_key(order_key);
+    let step = fine_step / points.len() as f64;
+    Spot::new([0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() * step))
+}
+
 impl State {
     /// The middle of a boundary item, in the coordinates of the mesh.
     fn spot(&self, item: Item) -> Spot {
-        let corners: &[VertexId] = match &item {
-            Item::Segment(s) => s,
-            Item::Subface(s) => s,
-            Item::Tet(_, v) => v,
-        };
-        let mut points: Vec<Point> = corners.iter().map(|&v| self.at(v)).collect();
-        points.sort_unstable_by_key(order_key);
-        let step = self.fine_step / points.len() as f64;
-        Spot::new([0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() * step))
+        spot(item, |v| self.at(v), self.fine_step)
     }
 
     /// The reason that a boundary item and others displace each other.

@@ -26,6 +26,8 @@ pub(crate) struct Resumed {
     pub(crate) candidates: usize,
     /// If none is over its bounds, those that may have tiny dihedral angles.
     pub(crate) thin: Option<Vec<TetId>>,
+    /// The transactions of joint steps so far.
+    pub(crate) spent: usize,
 }
 
 /// The items that are left to be split, and figures; or all, if something could not be split.
@@ -36,6 +38,7 @@ impl Rounds<'_, '_> {
     pub(crate) fn resume(&mut self, resumed: Resumed) {
         self.front.counted = resumed.candidates;
         self.late.thin = resumed.thin;
+        self.own.record.joint_transactions = resumed.spent;
         for Waiting { item, first, near, limit } in resumed.waiting {
             self.demands.pending.insert(item, Pending { first, near });
             self.own.record.limits.extend(limit.map(|limit| (item, limit)));
@@ -76,7 +79,9 @@ impl Rounds<'_, '_> {
     pub(crate) fn part_circles(mut self) -> Result<Parted<Self>, RefineError> {
         self.look_at_all();
         self.split_circles()?;
-        if !self.own.record.refused.is_empty() {
+        // Tetrahedra that no point helps are looked at anew by whoever goes on.
+        let is_refused = |item: &Item| !matches!(item, Item::Tet(..));
+        if self.own.record.refused.keys().any(is_refused) {
             return Ok(Err(self));
         }
         let limits = &self.own.record.limits;

@@ -2,15 +2,20 @@
 //! for engines whose mesh is on many processors.
 
 use crate::RefineError;
+use crate::complex::angles::Angles;
 use crate::complex::carrier::{Carrier, free_point, within_box};
 use crate::complex::measure::Shape;
 use crate::complex::plc::Plc;
 use crate::mesh::bounds::Bounds;
+use crate::mesh::item::Item;
 use crate::mesh::key::sorted;
 use crate::mesh::names::Names;
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::State;
+use crate::outcome::Reason;
+use crate::output::excuse::spot;
 use crate::rules::aim::{Aim, Aims};
+use crate::rules::choice::Corner;
 use crate::rules::group::Group;
 use ltbw_core::Random;
 use ltbw_core::topology::{TetId, VertexId};
@@ -54,10 +59,13 @@ pub struct Start {
 #[doc(hidden)]
 pub struct Complex<'a> {
     plc: Plc,
+    angles: Angles,
     bounds: Bounds<'a>,
     floor: f64,
     names: Names,
     has_patches: bool,
+    /// The transactions of joint steps in rounds so far.
+    spent: usize,
 }
 
 impl std::fmt::Debug for Complex<'_> {
@@ -131,8 +139,45 @@ impl Start {
 
 impl<'a> Complex<'a> {
     pub(crate) fn of(state: &State, bounds: Bounds<'a>, floor: f64) -> Self {
-        let has_patches = state.plc.has_patches();
-        Self { plc: state.plc.clone(), bounds, floor, names: Names::of(state), has_patches }
+        let (plc, angles) = (state.plc.clone(), state.angles.clone());
+        let has_patches = plc.has_patches();
+        Self { plc, angles, bounds, floor, names: Names::of(state), has_patches, spent: 0 }
+    }
+
+    /// The same after joint steps of rounds with this many transactions.
+    pub(crate) fn after(self, spent: usize) -> Self {
+        Self { spent, ..self }
+    }
+
+    pub(crate) fn spent(&self) -> usize {
+        self.spent
+    }
+
+    pub(crate) fn angles(&self) -> &Angles {
+        &self.angles
+    }
+
+    /// Are there small angles, or features near each other? Then the corners of all of a closure
+    /// count.
+    pub fn has_angles(&self) -> bool {
+        self.angles.matter()
+    }
+
+    /// Is splitting a tetrahedron of a region no help, which is over its bounds?
+    pub fn is_beyond_help(&self, corners: [Corner; 4], region: u32) -> bool {
+        if self.angles.is_empty() {
+            return false;
+        }
+        let all = corners.map(|own| (own.carrier, own.point));
+        let of = |ends: [usize; 2]| self.segment(ends.map(|k| all[k].0));
+        let points = corners.each_ref().map(|own| &own.point);
+        let is_sharp = self.angles.beyond_help(&self.plc, (&all, of), &self.bounds).is_some();
+        is_sharp && !self.bounds.is_large_in(points, region)
+    }
+
+    /// The reason that no point splits a boundary item.
+    pub(crate) fn unserved(&self, item: Item, at: impl Fn(VertexId) -> Point) -> Reason {
+        Reason::Unserved { at: spot(item, at, self.bounds.fine_step) }
     }
 
     /// The segment that an edge of the mesh between two vertices is on, if it is a subsegment.

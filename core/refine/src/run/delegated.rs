@@ -36,6 +36,8 @@ pub struct Delegated<'a> {
     lattice: Lattice,
     clock: Instant,
     start_seconds: f64,
+    /// The transactions of joint steps in rounds so far.
+    spent: usize,
 }
 
 impl std::fmt::Debug for Delegated<'_> {
@@ -53,8 +55,8 @@ pub struct Asked {
     pub item: BoundaryItem,
     /// The one before which it is not to be tried.
     pub first: Option<ItemPlace>,
-    /// The shortest edge that splitting it may make.
-    pub limit: Option<f64>,
+    /// The edges that splitting it may make.
+    pub limit: Option<Limit>,
 }
 
 /// The state in which others hand over.
@@ -123,7 +125,7 @@ impl<'a> Refiner<'a> {
         }
         let patched = run.refinement.state.plc.has_patches();
         let usual = if patched { START_WITH_PATCHES } else { START };
-        let is_for_others = wanted > 0 && run.fit_without_labels().is_ok();
+        let is_for_others = wanted > 0 && run.fit_without_rounds().is_ok();
         let start = match run.refinement.state.expected / TETS_PER_VERTEX {
             _ if !is_for_others => usual,
             0 => usual.max(wanted),
@@ -131,7 +133,7 @@ impl<'a> Refiner<'a> {
         };
         run.refine(self.start.unwrap_or(start))?;
         let start_seconds = clock.elapsed().as_secs_f64();
-        Ok(Delegated { run, regions, lattice: *lattice, clock, start_seconds })
+        Ok(Delegated { run, regions, lattice: *lattice, clock, start_seconds, spent: 0 })
     }
 }
 
@@ -139,10 +141,10 @@ impl<'a> Delegated<'a> {
     /// The boundary and the bounds as values, and the mesh at the start.
     ///
     /// # Errors
-    /// [`ComplexError`] if there are small angles, or nothing to do in rounds.
+    /// [`ComplexError`] if some of the boundary is missing, or there is nothing to do in rounds.
     pub fn complex(&self) -> Result<(Complex<'a>, Start), ComplexError> {
         self.check_fit()?;
-        let complex = self.run.complex()?;
+        let complex = self.run.complex()?.after(self.spent);
         let start = Start::of(&self.run.refinement.state, self.regions.clone(), self.run.most);
         Ok((complex, start))
     }
@@ -151,10 +153,10 @@ impl<'a> Delegated<'a> {
     /// a circle: for others that cannot do that.
     ///
     /// # Errors
-    /// As of [`Delegated::complex`], or if there are patches, before anything is split; a run that
-    /// stops while these are, or a broken invariant.
+    /// As of [`Delegated::complex`], or if there are patches or small angles, before anything is
+    /// split; a run that stops while these are, or a broken invariant.
     pub fn complex_without_circles(&mut self) -> Result<(Complex<'a>, Start), ComplexError> {
-        self.run.fit_without_labels()?;
+        self.run.fit_without_rounds()?;
         self.check_fit()?;
         self.run.part_circles()?;
         self.complex()
@@ -198,6 +200,7 @@ impl<'a> Delegated<'a> {
         match rounds.part_circles()? {
             Ok((left, stats)) => {
                 self.run.stats = stats;
+                self.spent = self.run.refinement.record.joint_transactions;
                 let state = &self.run.refinement.state;
                 let asked: Option<Vec<Asked>> =
                     left.into_iter().map(|waiting| state.asked(waiting)).collect();
@@ -237,12 +240,14 @@ impl<'a> Delegated<'a> {
         let waiting = |asked: &Asked| {
             let &(item, near) = found.get(&asked.item.place())?;
             let first = asked.first.and_then(|first| Some(found.get(&first)?.0));
-            Some(Waiting { item, first, near, limit: asked.limit.map(Limit::all) })
+            Some(Waiting { item, first, near, limit: asked.limit })
         };
         let waiting: Option<Vec<Waiting>> = asked.iter().map(waiting).collect();
         let gone = RefineError::Invariant { what: "items asked for are in the mesh" };
         self.run.stats = stats;
-        Ok(Resumed { waiting: waiting.ok_or(gone)?, candidates, thin })
+        // Those that no point helps were looked over, and have to be refused with their reasons.
+        let thin = thin.filter(|_| !complex.has_angles());
+        Ok(Resumed { waiting: waiting.ok_or(gone)?, candidates, thin, spent: self.spent })
     }
 
     fn finish_from(mut self, resumed: Option<Resumed>) -> Result<Refined, RefineError> {
@@ -275,11 +280,7 @@ impl State {
             Some(first) => Some(named(first)?.place()),
             None => None,
         };
-        Some(Asked {
-            item: named(waiting.item)?,
-            first,
-            limit: waiting.limit.map(|limit| limit.least),
-        })
+        Some(Asked { item: named(waiting.item)?, first, limit: waiting.limit })
     }
 
     /// Numbers all vertices: those of the domain as there. Counts the others.

@@ -8,7 +8,7 @@ use ltbw_core::topology::TetId;
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
 use ltbw_refine::{
-    BoundaryItem, Carrier, Closure, Collected, Complex, Corner, NOWHERE, Ruling, Survey,
+    BoundaryItem, Carrier, Closure, Collected, Complex, Corner, NOWHERE, Past, Ruling, Survey,
 };
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -83,7 +83,7 @@ impl LockedClosure {
         let ruling = match point.carrier {
             Carrier::Free => survey.rule_on_tet(),
             Carrier::Segment(of, _) | Carrier::Facet(of) => match self.item(&point.item, of) {
-                Some(item) => survey.rule_on_item(&item, point.may),
+                Some(item) => survey.rule_on_item(&item, point.may, &Past::default()),
                 None => Ruling::Useless,
             },
             Carrier::Corner(_) => Ruling::Useless,

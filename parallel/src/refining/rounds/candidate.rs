@@ -5,7 +5,9 @@ use crate::protocol::{Name, Table, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{Bits, Owned, ProbeId, Proposal, WireClosure};
 use ltbw_core::topology::{TetId, VertexId};
-use ltbw_refine::{BoundaryItem, Carrier, Closure, Filled, NOWHERE, Rank, RankLead, Rival, Watch};
+use ltbw_refine::{
+    BoundaryItem, Carrier, Closure, Filled, Limit, NOWHERE, Rank, RankLead, Rival, Watch,
+};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
@@ -41,8 +43,8 @@ pub(super) enum Outcome {
     Dropped,
     /// The point may be inserted, unless others are in its way.
     Fits(Filled),
-    /// An item comes first; the shortest edge that this may lead to.
-    Asks(Box<BoundaryItem>, Option<f64>),
+    /// An item comes first; the edges that this may lead to.
+    Asks(Box<BoundaryItem>, Option<Limit>),
 }
 
 /// A probe, and the point that it is about.

@@ -104,6 +104,12 @@ impl Contest {
         contest
     }
 
+    /// Of each worker, the numbers of its entrants that are probed.
+    pub(super) fn probed(&self) -> impl Iterator<Item = Vec<u32>> + '_ {
+        let is_probed = |(number, rank): (u32, &Option<u32>)| rank.map(|_| number);
+        self.ranks.iter().map(move |own| (0..).zip(own).filter_map(is_probed).collect())
+    }
+
     /// The next wave of probes, by homes that are to launch them; none if all are probed. Boundary
     /// items are one wave.
     pub(super) fn next_wave(&mut self) -> Option<FxHashMap<WorkerId, Vec<u32>>> {

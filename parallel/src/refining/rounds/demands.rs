@@ -2,7 +2,7 @@
 
 use crate::protocol::WorkerId;
 use ltbw_core::topology::TetId;
-use ltbw_refine::{BoundaryItem, ItemPlace};
+use ltbw_refine::{BoundaryItem, ItemPlace, Limit};
 use std::collections::BTreeMap;
 
 /// A boundary item to be split.
@@ -11,7 +11,7 @@ pub(super) struct Pending {
     pub(super) item: BoundaryItem,
     /// The item that has to be split before it.
     pub(super) first: Option<ItemPlace>,
-    pub(super) limit: Option<f64>,
+    pub(super) limit: Option<Limit>,
     /// A slot that was near it, where the walk to its point starts.
     pub(super) near: Option<TetId>,
 }
@@ -46,7 +46,7 @@ impl Demands {
             let place = asked.item.place();
             let own = self.pending.entry(place).or_insert(asked);
             own.limit = match (own.limit, asked.limit) {
-                (Some(a), Some(b)) => Some(a.min(b)),
+                (Some(a), Some(b)) => Some(a.or(b)),
                 (a, b) => a.or(b),
             };
             own.near = own.near.or(asked.near);

@@ -14,6 +14,7 @@
 mod told;
 
 use super::ranked::{RankedHere, places_of, rank_of};
+use super::serve::corner;
 use crate::protocol::{BlockId, Handle, Name, Rules};
 use crate::refining::domain::DomainMesh;
 use crate::refining::flags::Flags;
@@ -117,7 +118,8 @@ impl SharedKeys {
         for t in mesh.complex.over_among(inside, tell) {
             // One that is told of twice has a key already.
             let carrier = |k: usize| mesh.carrier(all.vertices(t)[k]);
-            if self.own.at(t) == 0 && !mesh.complex.is_flat(carrier) {
+            let is_split = !mesh.complex.is_flat(carrier) && !is_beyond_help(mesh, t);
+            if self.own.at(t) == 0 && is_split {
                 let places = places_of::<C>(mesh, all.vertices(t));
                 self.own.enter(t, Rank::key_of_tet(places));
             }
@@ -329,6 +331,12 @@ impl SharedKeys {
             }
         })
     }
+}
+
+/// Is splitting a tetrahedron over its bounds no help?
+fn is_beyond_help(mesh: &DomainMesh<'_>, t: TetId) -> bool {
+    let corners = || mesh.inner.tets().vertices(t).map(|v| corner(mesh, v));
+    mesh.complex.has_angles() && mesh.complex.is_beyond_help(corners(), mesh.region(t))
 }
 
 /// The order of the rank of a tetrahedron over its bounds, which has this key, and another one:

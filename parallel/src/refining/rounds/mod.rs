@@ -11,8 +11,7 @@
 //! so that each is known to one, whoever asks for it.
 //!
 //! Work on the whole mesh is left to the engine, which takes over when nothing else is left:
-//! slivers; circles of items that wait for each other; anything that cannot be split. Domains with
-//! small angles it refines from the start.
+//! slivers; circles of items that wait for each other; anything that cannot be split.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -24,6 +23,7 @@
 //! | `keys`, `ranked` | which tetrahedra come before all around them |
 //! | `candidate` | probes and candidates as values |
 //! | `probe` | the home's side of the choice: probes and what comes of them |
+//! | `leaders` | which of several with nearly equal spheres is probed |
 //! | `ahead`, `found` | cavities found while others are waited for |
 //! | `here` | closures that are all one worker's |
 //! | `decide` | who is chosen |
@@ -44,6 +44,7 @@ mod demands;
 mod found;
 mod here;
 mod keys;
+mod leaders;
 mod mail;
 mod probe;
 mod ranked;
@@ -263,9 +264,10 @@ fn begin<'c, C: Rules>(
     resumed: &Resumed,
 ) -> Result<Begun<'c, C>, RefineError> {
     let before = start.made();
+    let others = start.points.len() as u64 - before;
     let source = |me, mesh: &mut DomainMesh<'_>| {
         let place = (me, layout.workers, layout.blocks_per_worker);
-        let mut source = Rounds::new(place, (before, start.most), mesh);
+        let mut source = Rounds::new(place, [before, start.most, others], mesh);
         source.expect_tets(start.expected_of(layout.workers));
         source.resume(mesh, &resumed.asked, resumed.candidates, resumed.figures);
         source

@@ -11,7 +11,7 @@ use crate::protocol::{Directory, Handle, Rules, Submesh, Table, Walk, WorkerId};
 use crate::refining::domain::{DomainMesh, is_near};
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
-use ltbw_refine::{Aim, BoundaryItem, Collected, Filled, RankLead, Ruling, middle};
+use ltbw_refine::{Aim, BoundaryItem, Collected, Filled, Past, RankLead, Ruling, middle};
 
 impl<C: Rules> Rounds<C> {
     pub(super) fn id(&self, number: u32) -> ProbeId {
@@ -327,8 +327,9 @@ impl<C: Rules> Rounds<C> {
     fn rule_here(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
         let (id, probe) = (self.id(k), &self.choice.probes[k as usize]);
         let here = Here { mesh, cavity: self.served.cavity_at(&self.served.inside(id)) };
-        let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &here));
-        debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref()));
+        let past = self.past(&probe.what);
+        let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &here), &past);
+        debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref(), &past));
         // Without candidates of the boundary it does not matter who else is near.
         let all = match &watch {
             Some(_) if self.choice.has_boundary && !self.has_turns(mesh) => {
@@ -347,8 +348,19 @@ impl<C: Rules> Rounds<C> {
             return (Verdict::Is(Outcome::Fits(Filled::default())), None);
         };
         let closure = Collected::of(&told.closure);
-        let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &closure));
+        let past = self.past(&probe.what);
+        let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &closure), &past);
         (verdict, watch.map(Waits::Told))
+    }
+
+    /// All that a verdict asks of earlier rounds.
+    fn past(&self, what: &What) -> Past {
+        let limit = match what {
+            What::Tet(..) => None,
+            What::Item(item) => self.demands.pending.get(&item.place()).and_then(|own| own.limit),
+        };
+        let num_vertices = (self.budget.others + self.budget.total) as usize;
+        Past { num_vertices, limit }
     }
 
     /// All of a probe's closure is known: the verdict.

@@ -6,7 +6,7 @@ use super::serve::describe;
 use crate::refining::domain::{DomainMesh, WallRegion};
 use crate::refining::news::point;
 use ltbw_core::topology::TetId;
-use ltbw_refine::{BoundaryItem, Collected, ItemPlace, Ruling, Survey, Surveyed, Watch};
+use ltbw_refine::{BoundaryItem, Collected, ItemPlace, Past, Ruling, Survey, Surveyed, Watch};
 use std::collections::BTreeSet;
 
 /// The verdict on a probe's point.
@@ -29,15 +29,17 @@ impl Probe {
         Survey::of(&mesh.complex, closure, &point(&self.to), self.carrier)
     }
 
-    /// The verdict on its point by a survey of its closure, and what makes it wait for others.
+    /// The verdict on its point by a survey of its closure and its past, and what makes it wait for
+    /// others.
     pub(super) fn rule<R: Surveyed>(
         &self,
         mesh: &DomainMesh<'_>,
         survey: &Survey<'_, R>,
+        past: &Past,
     ) -> (Verdict, Option<Watch<R::Tet>>) {
         let ruling = match &self.what {
             What::Tet(..) => survey.rule_on_tet(),
-            What::Item(item) => survey.rule_on_item(item, self.may),
+            What::Item(item) => survey.rule_on_item(item, self.may, past),
         };
         match ruling {
             Ruling::Fill(filled) => {
@@ -62,12 +64,13 @@ impl Probe {
         here: &Here<'_, '_>,
         verdict: &Verdict,
         watch: Option<&Watch<TetId>>,
+        past: &Past,
     ) -> bool {
         let order = here.listed();
         let mut told = Told::default();
         told.add(here.mesh.me(), &describe(here.mesh, &order, self.carrier));
         let closure = Collected::of(&told.closure);
-        let (by_values, other) = self.rule(here.mesh, &self.survey(here.mesh, &closure));
+        let (by_values, other) = self.rule(here.mesh, &self.survey(here.mesh, &closure), past);
         let sorted = |verdict: &Verdict| match verdict {
             Verdict::Is(Outcome::Fits(filled)) => {
                 let walls: BTreeSet<_> = filled.relabelled.iter().map(WallRegion::of).collect();

@@ -302,6 +302,8 @@ fn told_of(mesh: &DomainMesh<'_>, t: TetId, carrier: Carrier) -> Option<[VertexI
     let least = match carrier {
         _ if mesh.complex.has_patches() => 0,
         Carrier::Free => 2,
+        // Limits are about all vertices around.
+        _ if mesh.complex.has_angles() => 0,
         _ => 1,
     };
     (v.iter().filter(|&&v| mesh.is_bound(v)).count() >= least).then_some(v)

@@ -39,7 +39,7 @@ const NEWS: usize = 9;
 
 /// The numbers of values along a Hilbert curve through their places. (Nothing is done on other
 /// threads: these have workers of their own.)
-fn along_curve(places: impl Iterator<Item = Point>) -> impl Iterator<Item = usize> {
+pub(super) fn along_curve(places: impl Iterator<Item = Point>) -> impl Iterator<Item = usize> {
     let places: Vec<Point> = places.collect();
     let (low, high) = bounding_box(&places);
     Curve::of_box(low, high).order(&places).into_iter().map(|k| k as usize)
@@ -119,8 +119,9 @@ impl<C: Rules> Rounds<C> {
         match self.stage {
             Stage::Counting => true,
             Stage::Choosing => {
-                // In turns the conductor has to have said what becomes of all.
-                let is_told = !matches!(self.choice.fates, Some(None));
+                // The conductor has to have said who is probed, and in turns what becomes of all.
+                let is_told =
+                    !matches!(self.choice.fates, Some(None)) && self.choice.entered.is_none();
                 is_told && self.choice.open == 0 && self.choice.to_launch.is_empty()
             }
             Stage::Inserting => standing.is_passive && self.points.chosen.is_empty(),
@@ -260,7 +261,7 @@ impl<C: Rules> Rounds<C> {
             self.choice.to_launch.push_back(k);
         }
         self.choice.has_boundary = has_boundary;
-        self.choice.foremost = None;
+        (self.choice.foremost, self.choice.entered) = (None, None);
         if has_tets {
             self.add_foremost(mesh);
         }
@@ -272,6 +273,9 @@ impl<C: Rules> Rounds<C> {
     /// The tetrahedra that come before all around them are to be probed.
     fn add_foremost(&mut self, mesh: &DomainMesh<'_>) {
         let foremost = self.keys.foremost::<C>(mesh);
+        if self.has_leaders(mesh) {
+            return self.enter_foremost(mesh, foremost);
+        }
         self.choice.foremost = Some(foremost.iter().map(Vec::len).sum::<usize>() as i64);
         // Candidates at interface faces come first: others are waited for there.
         for list in &foremost {

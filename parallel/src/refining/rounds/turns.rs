@@ -46,6 +46,9 @@ impl<C: Rules> Rounds<C> {
     /// The conductor has these probed. Their numbers are along a curve.
     pub(super) fn take_launch(&mut self, mut numbers: Vec<u32>) {
         numbers.sort_unstable();
+        if let Some(entered) = self.choice.entered.take() {
+            return self.probe_leaders(&entered, &numbers);
+        }
         self.choice.open += numbers.len();
         self.choice.to_launch.extend(numbers);
     }
