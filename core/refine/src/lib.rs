@@ -73,13 +73,15 @@ pub use rules::by_values::Survey;
 #[doc(hidden)]
 pub use rules::choice::{
     BoundaryItem, Closure, Corner, Filled, ItemPlace, NOWHERE, Rank, RankLead, Relabelled, Rival,
-    Ruling,
+    Ruling, TetPlace,
 };
 pub use rules::complex::{Complex, ComplexError, Start};
 #[doc(hidden)]
 pub use rules::group::Group;
 #[doc(hidden)]
-pub use rules::past::Past;
+pub use rules::past::{Past, Refusals};
+#[doc(hidden)]
+pub use rules::record::Refusal;
 #[doc(hidden)]
 pub use rules::surveyed::{Collected, Surveyed};
 #[doc(hidden)]
@@ -90,7 +92,7 @@ pub use rules::watch::Watch;
 pub use rules::way::{Across, Heading, Stop, View, Way, middle, walk};
 pub use run::Refiner;
 #[doc(hidden)]
-pub use run::{Asked, Delegated, Handed, Parted};
+pub use run::{Asked, Delegated, Handed, Remaining};
 #[doc(hidden)]
 pub use thin::{Thin, ThinTets};
 pub use whole::MeshError;

@@ -6,7 +6,8 @@ use crate::protocol::{Handle, Name, WorkerId};
 use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
 use ltbw_refine::{
-    BoundaryItem, Carrier, Corner, Group, ItemPlace, Limit, NOWHERE, Rank, Rival, Watch,
+    BoundaryItem, Carrier, Corner, Group, ItemPlace, Limit, NOWHERE, Rank, Reason, Refusal, Rival,
+    Watch,
 };
 use smallvec::SmallVec;
 
@@ -76,6 +77,24 @@ impl WireLimit {
 
     pub(crate) fn limit(self) -> Limit {
         Limit { least: f64::from_bits(self.least), along: self.along.map(f64::from_bits) }
+    }
+}
+
+/// A refusal in a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
+pub struct WireRefusal {
+    reason: Reason,
+    limit: Option<WireLimit>,
+}
+
+impl WireRefusal {
+    pub(crate) fn new(refusal: Refusal) -> Self {
+        Self { reason: refusal.reason, limit: refusal.limit.map(WireLimit::new) }
+    }
+
+    pub(crate) fn refusal(self) -> Refusal {
+        Refusal { reason: self.reason, limit: self.limit.map(WireLimit::limit) }
     }
 }
 
@@ -151,6 +170,8 @@ pub enum Reported {
     Nothing,
     /// Another item is to be split first.
     Asks,
+    /// It cannot be split.
+    Refused,
     /// The point may be inserted; if it changes a patch, it has to be alone.
     Fits {
         /// Has it to be alone?
@@ -178,6 +199,11 @@ pub struct Report {
 impl Report {
     pub(crate) fn is_alone(&self) -> bool {
         matches!(self.verdict, Reported::Fits { is_alone: true })
+    }
+
+    /// Is it in nobody's way?
+    pub(crate) fn is_refused(&self) -> bool {
+        self.verdict == Reported::Refused
     }
 
     /// Its closure.
@@ -219,7 +245,8 @@ pub(crate) fn rival(byte: u8) -> Rival {
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum KeysTold {
     /// In the first exchange of a round: the ranks of the sender's tetrahedra over their bounds.
-    Ranks(Vec<(Name, u8, Rank)>),
+    /// None of one that was refused.
+    Ranks(Vec<(Name, u8, Option<Rank>)>),
     /// In the second: comes a tetrahedron around the sender's before the receiver's?
     Behind(Vec<(Name, u8, bool)>),
 }
@@ -314,8 +341,10 @@ pub enum DomainNews {
     },
     /// A boundary item is gone.
     Gone(ItemPlace),
-    /// The item that this one waits for is gone.
+    /// The item that this one waits for is gone, or refused.
     Release(ItemPlace),
+    /// Boundary items that the sender keeps were refused, or are not any more.
+    Refused(Vec<(ItemPlace, Option<WireRefusal>)>),
     /// A boundary item of the sender's list is split, or cannot be: the items that wait for it are
     /// asked again. (Without rounds.)
     Ended([VertexName; 3]),
@@ -327,7 +356,7 @@ pub enum DomainNews {
 }
 
 /// The kinds of news that barriers wait for, in the order in which a round has them.
-pub(crate) const NEWS_KINDS: [&str; 15] = [
+pub(crate) const NEWS_KINDS: [&str; 16] = [
     "Keys",
     "Way",
     "Seek",
@@ -343,6 +372,7 @@ pub(crate) const NEWS_KINDS: [&str; 15] = [
     "Ask",
     "Gone",
     "Release",
+    "Refused",
 ];
 
 /// Bytes of some corners, most of which are free.
@@ -400,6 +430,7 @@ impl DomainNews {
             Self::Rivals { rivals, .. } => 8 + rivals.len() as u64 / 2,
             Self::Ask { item, waiter, .. } => item_bytes(item) + 18 + waiter.map_or(1, |_| PLACE),
             Self::Gone(_) | Self::Release(_) => PLACE,
+            Self::Refused(all) => 4 + (PLACE + 36) * all.len() as u64,
             Self::Ended(_) => 3 * 8,
             Self::Several(all) => all.iter().map(|news| 1 + news.bytes()).sum(),
         }
@@ -425,6 +456,7 @@ impl DomainNews {
             Self::Ask { .. } => 12,
             Self::Gone(_) => 13,
             Self::Release(_) => 14,
+            Self::Refused(_) => 15,
             Self::Several(all) => return all.iter().flat_map(Self::kinds).collect(),
             Self::Up(_) | Self::Down(_) | Self::Ended(_) => return Vec::new(),
         };

@@ -310,6 +310,22 @@ impl Angles {
         self.of_segment.get(&s)?.list.first().copied()
     }
 
+    /// The small angle that a tetrahedron is at, if any of its vertices, which live there, is on
+    /// something at one: the first one tells.
+    pub(crate) fn reason_near(&self, plc: &Plc, carriers: [Carrier; 4]) -> Reason {
+        let facets = |f: &u32| self.reason_of_facet(*f);
+        let reason = carriers.into_iter().find_map(|carrier| match carrier {
+            Carrier::Segment(s, _) => {
+                let own = self.reason_of_segment(s);
+                own.or_else(|| plc.segments[s as usize].facets.iter().find_map(facets))
+            }
+            Carrier::Corner(c) => plc.facets_at[c as usize].iter().find_map(facets),
+            Carrier::Facet(f) => facets(&f),
+            Carrier::Free => None,
+        });
+        reason.unwrap_or(Reason::Rounding)
+    }
+
     /// Why facet `f` is related to any other, for an item of it with the corners that `has` says.
     pub(crate) fn reason_on_facet(&self, f: u32, has: &impl Fn(u32) -> bool) -> Option<Reason> {
         first(self.of_facet.get(&f), has)

@@ -8,14 +8,14 @@ use crate::complex::measure::Shape;
 use crate::complex::plc::Plc;
 use crate::mesh::bounds::Bounds;
 use crate::mesh::item::Item;
-use crate::mesh::key::sorted;
+use crate::mesh::key::{order_key, sorted};
 use crate::mesh::names::Names;
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::State;
 use crate::outcome::Reason;
 use crate::output::excuse::spot;
 use crate::rules::aim::{Aim, Aims};
-use crate::rules::choice::Corner;
+use crate::rules::choice::{BoundaryItem, Corner};
 use crate::rules::group::Group;
 use ltbw_core::Random;
 use ltbw_core::topology::{TetId, VertexId};
@@ -64,8 +64,6 @@ pub struct Complex<'a> {
     floor: f64,
     names: Names,
     has_patches: bool,
-    /// The transactions of joint steps in rounds so far.
-    spent: usize,
 }
 
 impl std::fmt::Debug for Complex<'_> {
@@ -141,16 +139,7 @@ impl<'a> Complex<'a> {
     pub(crate) fn of(state: &State, bounds: Bounds<'a>, floor: f64) -> Self {
         let (plc, angles) = (state.plc.clone(), state.angles.clone());
         let has_patches = plc.has_patches();
-        Self { plc, angles, bounds, floor, names: Names::of(state), has_patches, spent: 0 }
-    }
-
-    /// The same after joint steps of rounds with this many transactions.
-    pub(crate) fn after(self, spent: usize) -> Self {
-        Self { spent, ..self }
-    }
-
-    pub(crate) fn spent(&self) -> usize {
-        self.spent
+        Self { plc, angles, bounds, floor, names: Names::of(state), has_patches }
     }
 
     pub(crate) fn angles(&self) -> &Angles {
@@ -173,6 +162,29 @@ impl<'a> Complex<'a> {
         let points = corners.each_ref().map(|own| &own.point);
         let is_sharp = self.angles.beyond_help(&self.plc, (&all, of), &self.bounds).is_some();
         is_sharp && !self.bounds.is_large_in(points, region)
+    }
+
+    /// The small angle that a tetrahedron is at, or that it is at none.
+    pub fn reason_near(&self, mut corners: [Corner; 4]) -> Reason {
+        corners.sort_by_key(|own| order_key(&own.point));
+        self.angles.reason_near(&self.plc, corners.map(|own| own.carrier))
+    }
+
+    /// The reason why a boundary item cannot be split for which no aim is left.
+    pub fn reason_without_aim(&self, item: &BoundaryItem) -> Reason {
+        let facet = || self.angles.reason_of_facet(item.of());
+        let named = if item.is_segment() { None } else { facet() };
+        named.unwrap_or_else(|| self.unserved_at(item))
+    }
+
+    /// The reason that no point splits a boundary item.
+    fn unserved_at(&self, item: &BoundaryItem) -> Reason {
+        let number = |k: u32| VertexId::new(k + 1);
+        let all = match item.is_segment() {
+            true => Item::Segment([0, 1].map(number)),
+            false => Item::Subface([0, 1, 2].map(number)),
+        };
+        self.unserved(all, |v| item.corners()[v.index() - 1].point)
     }
 
     /// The reason that no point splits a boundary item.

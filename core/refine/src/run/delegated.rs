@@ -10,12 +10,13 @@ use crate::mesh::marks::{ENDS, Marks, Word, edge_bit, face_bit};
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::{FACE, State};
 use crate::outcome::RefineStats;
+use crate::queue::split::Refinement;
 use crate::rounds::{InsertOrder, Resumed, Rounds, Waiting};
-use crate::rules::choice::{BoundaryItem, Corner, ItemPlace};
+use crate::rules::choice::{BoundaryItem, Corner, ItemPlace, TetPlace};
 use crate::rules::complex::{Complex, ComplexError, Start};
+use crate::rules::record::{Record, Refusal};
 use crate::table::{Map, edge, triangle};
 use crate::{RefineError, Refined};
-use ltbw_core::build::Phase;
 use ltbw_core::mesh::{Mesh, Vertex};
 use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId};
 use ltbw_domain::{Domain, Lattice};
@@ -71,6 +72,10 @@ pub struct Handed {
     pub regions: Vec<u32>,
     /// Boundary items to be split.
     pub asked: Vec<Asked>,
+    /// Boundary items that were refused.
+    pub refused: Vec<(ItemPlace, Refusal)>,
+    /// Tetrahedra that were refused.
+    pub refused_tets: Vec<(TetId, Refusal)>,
     /// Candidates among the tetrahedra in the last round that split some.
     pub candidates: usize,
     /// If none is over its bounds, the tetrahedra that may have tiny dihedral angles.
@@ -79,14 +84,21 @@ pub struct Handed {
     pub stats: RefineStats,
 }
 
-/// A refinement after circles were split.
+/// The work with which rounds go on.
 #[doc(hidden)]
-#[derive(Debug)]
-pub enum Parted<'a> {
-    /// Rounds go on: with these items to be split, and the candidates when last counted.
-    Again(Box<Delegated<'a>>, Vec<Asked>, usize),
-    /// It is refined to its end.
-    Finished(Box<Refined>),
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Remaining {
+    /// Boundary items to be split.
+    pub asked: Vec<Asked>,
+    /// Boundary items that were refused.
+    pub refused: Vec<(ItemPlace, Refusal)>,
+    /// Tetrahedra that were refused, by their places.
+    pub refused_tets: Vec<(TetPlace, Refusal)>,
+    /// The candidates among the tetrahedra when last counted.
+    pub candidates: usize,
+    /// The transactions of joint steps in rounds so far.
+    pub spent: usize,
 }
 
 impl<'a> Refiner<'a> {
@@ -144,7 +156,7 @@ impl<'a> Delegated<'a> {
     /// [`ComplexError`] if some of the boundary is missing, or there is nothing to do in rounds.
     pub fn complex(&self) -> Result<(Complex<'a>, Start), ComplexError> {
         self.check_fit()?;
-        let complex = self.run.complex()?.after(self.spent);
+        let complex = self.run.complex()?;
         let start = Start::of(&self.run.refinement.state, self.regions.clone(), self.run.most);
         Ok((complex, start))
     }
@@ -186,35 +198,26 @@ impl<'a> Delegated<'a> {
         self.finish_from(Some(resumed))
     }
 
-    /// Takes over where boundary items wait for each other in circles, and splits these. Others may
-    /// go on then, unless something could not be split: then it is refined to its end here.
+    /// Takes over where boundary items wait for each other in circles, and splits these. Others go on
+    /// then with what is left.
     ///
     /// # Errors
     /// Those of [`Delegated::finish`].
-    pub fn part_circles(mut self, handed: Handed) -> Result<Parted<'a>, RefineError> {
+    pub fn part_circles(&mut self, handed: Handed) -> Result<Remaining, RefineError> {
         let resumed = self.take(handed)?;
         let candidates = resumed.candidates;
         let Run { refiner, most, stats, ref mut refinement, .. } = self.run;
         let mut rounds = Rounds::new(refinement, refiner.order, most, stats);
         rounds.resume(resumed);
-        match rounds.part_circles()? {
-            Ok((left, stats)) => {
-                self.run.stats = stats;
-                self.spent = self.run.refinement.record.joint_transactions;
-                let state = &self.run.refinement.state;
-                let asked: Option<Vec<Asked>> =
-                    left.into_iter().map(|waiting| state.asked(waiting)).collect();
-                let asked = asked.ok_or(RefineError::Invariant { what: "items have names" })?;
-                Ok(Parted::Again(Box::new(self), asked, candidates))
-            }
-            Err(rounds) => {
-                let tell = |vertices: usize| refiner.tell(Phase::Refine, vertices);
-                let (stop, stats, over, times) = rounds.run_in_pool(refiner.cancel, tell)?;
-                (self.run.stop, self.run.over, self.run.rounds) = (stop, Some(over), times);
-                self.run.stats = RefineStats { start_seconds: self.start_seconds, ..stats };
-                Ok(Parted::Finished(Box::new(self.end()?)))
-            }
-        }
+        let (left, stats) = rounds.part_circles()?;
+        self.run.stats = stats;
+        let Refinement { record, state, .. } = &self.run.refinement;
+        self.spent = record.joint_transactions;
+        let asked: Option<Vec<Asked>> =
+            left.into_iter().map(|waiting| state.asked(waiting)).collect();
+        let asked = asked.ok_or(RefineError::Invariant { what: "items have names" })?;
+        let (refused, refused_tets) = state.refusals(record);
+        Ok(Remaining { asked, refused, refused_tets, candidates, spent: self.spent })
     }
 
     /// The figures of all rounds so far.
@@ -224,7 +227,9 @@ impl<'a> Delegated<'a> {
 
     /// Takes the state that others hand over.
     fn take(&mut self, handed: Handed) -> Result<Resumed, RefineError> {
-        let Handed { mesh, carriers, regions, asked, candidates, thin, stats } = handed;
+        let Handed { mesh, carriers, regions, asked, refused, candidates, thin, stats, .. } =
+            handed;
+        let refused_tets = handed.refused_tets;
         let unfit = |_| RefineError::Invariant { what: "rounds of others are of a plain domain" };
         let complex = self.run.complex().map_err(unfit)?;
         let own = &mut self.run.refinement;
@@ -232,7 +237,8 @@ impl<'a> Delegated<'a> {
         own.state.carriers = std::iter::once(Carrier::Free).chain(carriers).collect();
         own.inserted.points = own.state.number_all();
         own.inserted.next_number = own.state.carriers.len() as Vertex - 1;
-        let found = own.state.enter_marks(&complex, &regions, !asked.is_empty());
+        let is_asked = !asked.is_empty() || !refused.is_empty();
+        let found = own.state.enter_marks(&complex, &regions, is_asked);
         let mut all = own.state.mesh.topology().iter().map(|(t, _)| t);
         if complex.has_patches() && !own.state.is_labelled(&mut all) {
             return Err(RefineError::Invariant { what: "regions change at the boundary alone" });
@@ -243,11 +249,16 @@ impl<'a> Delegated<'a> {
             Some(Waiting { item, first, near, limit: asked.limit })
         };
         let waiting: Option<Vec<Waiting>> = asked.iter().map(waiting).collect();
-        let gone = RefineError::Invariant { what: "items asked for are in the mesh" };
+        let items: Option<Vec<_>> =
+            refused.iter().map(|(place, why)| Some((found.get(place)?.0, *why))).collect();
+        let tets = refused_tets.iter().map(|&(t, why)| (Item::Tet(t, own.state.vertices(t)), why));
+        let refused = items.map(|items| items.into_iter().chain(tets).collect());
+        let gone = || RefineError::Invariant { what: "items asked for are in the mesh" };
         self.run.stats = stats;
         // Those that no point helps were looked over, and have to be refused with their reasons.
         let thin = thin.filter(|_| !complex.has_angles());
-        Ok(Resumed { waiting: waiting.ok_or(gone)?, candidates, thin, spent: self.spent })
+        let (waiting, refused) = (waiting.ok_or_else(gone)?, refused.ok_or_else(gone)?);
+        Ok(Resumed { waiting, refused, candidates, thin, spent: self.spent })
     }
 
     fn finish_from(mut self, resumed: Option<Resumed>) -> Result<Refined, RefineError> {
@@ -263,6 +274,25 @@ impl<'a> Delegated<'a> {
 }
 
 impl State {
+    /// The boundary items and the tetrahedra that were refused, by their places.
+    #[expect(clippy::type_complexity, reason = "two lists of one kind")]
+    fn refusals(&self, record: &Record) -> (Vec<(ItemPlace, Refusal)>, Vec<(TetPlace, Refusal)>) {
+        let (mut items, mut tets) = (Vec::new(), Vec::new());
+        for (&item, &why) in &record.refused {
+            match item {
+                Item::Segment(s) => items.push((ItemPlace::of(&s.map(|v| self.at(v))), why)),
+                Item::Subface(s) => items.push((ItemPlace::of(&s.map(|v| self.at(v))), why)),
+                Item::Tet(t, v) if self.is_live(t, v) => {
+                    tets.push((TetPlace::of(v.map(|v| self.at(v))), why));
+                }
+                Item::Tet(..) => {}
+            }
+        }
+        items.sort_unstable_by_key(|own| own.0);
+        tets.sort_unstable_by_key(|own| own.0);
+        (items, tets)
+    }
+
     /// A boundary item to be split, by its corners.
     fn asked(&self, waiting: Waiting) -> Option<Asked> {
         let corner =

@@ -90,6 +90,7 @@ impl<C: Rules> Rounds<C> {
             match std::mem::replace(&mut probe.outcome, Outcome::Dropped) {
                 Outcome::Open | Outcome::Dropped => return,
                 Outcome::Asks(item, limit) => return self.ask_for(mesh, k, *item, limit),
+                Outcome::Refused(reason) => return self.carry_out_refusal(mesh, k, reason),
                 Outcome::Fits(filled) => filled,
             };
         let start = match probe.what {

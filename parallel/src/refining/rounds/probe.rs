@@ -11,7 +11,7 @@ use crate::protocol::{Directory, Handle, Rules, Submesh, Table, Walk, WorkerId};
 use crate::refining::domain::{DomainMesh, is_near};
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
-use ltbw_refine::{Aim, BoundaryItem, Collected, Filled, Past, RankLead, Ruling, middle};
+use ltbw_refine::{Aim, BoundaryItem, Collected, Filled, RankLead, Reason, Ruling, middle};
 
 impl<C: Rules> Rounds<C> {
     pub(super) fn id(&self, number: u32) -> ProbeId {
@@ -68,7 +68,7 @@ impl<C: Rules> Rounds<C> {
             Aim::Skip => self.retry(mesh, directory, k),
             Aim::Exhausted => {
                 let What::Tet(t, v) = self.choice.probes[k as usize].what else {
-                    return self.give_up(mesh, k);
+                    return self.refuse_without_aim(mesh, k);
                 };
                 // The regions beyond tell of patches.
                 let is_known = |slot| labels_at(mesh, t, slot).is_some();
@@ -77,12 +77,9 @@ impl<C: Rules> Rounds<C> {
                 }
                 let labels = |slot: usize| labels_at(mesh, t, slot);
                 let sides = mesh.complex.sides_of(v.map(|v| corner(mesh, v)), labels);
-                match sides.first() {
-                    Some(side) => self.conclude_with(mesh, k, *side),
-                    None => self.give_up(mesh, k),
-                }
+                self.conclude_with(mesh, k, &sides);
             }
-            Aim::Refused => self.give_up(mesh, k),
+            Aim::Refused => self.refuse(mesh, k, Reason::Floor),
         }
     }
 
@@ -107,6 +104,10 @@ impl<C: Rules> Rounds<C> {
     fn retry(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
         let Probe { ref what, lead, attempt, .. } = self.choice.probes[k as usize];
         let what = what.clone();
+        // Of an item one search counts.
+        if matches!(what, What::Item(_)) {
+            self.choice.probes[k as usize].was_searched = false;
+        }
         self.conclude(k, Outcome::Dropped);
         let next = self.add_probe(what, lead, attempt + 1);
         self.pass_turn_on(k, next);
@@ -120,13 +121,14 @@ impl<C: Rules> Rounds<C> {
         self.report(mesh, k);
     }
 
-    fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, item: BoundaryItem) {
-        let outcome = self.choice.probes[k as usize].what.asks(mesh, item);
+    fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, first: &[BoundaryItem]) {
+        let what = &self.choice.probes[k as usize].what;
+        let outcome = what.asks(mesh, first, &self.past(what));
         self.conclude(k, outcome);
         self.report(mesh, k);
     }
 
-    fn conclude(&mut self, k: u32, outcome: Outcome) {
+    pub(super) fn conclude(&mut self, k: u32, outcome: Outcome) {
         self.choice.probes[k as usize].outcome = outcome;
         self.choice.open -= 1;
     }
@@ -244,7 +246,7 @@ impl<C: Rules> Rounds<C> {
         probe.open -= 1;
         match end {
             PartEnd::Found => {}
-            PartEnd::Blocked(item) => return self.conclude_with(mesh, k, item.item()),
+            PartEnd::Blocked(item) => return self.conclude_with(mesh, k, &[item.item()]),
             PartEnd::Outside | PartEnd::Vertex => return self.retry(mesh, directory, k),
         }
         probe.was_searched = true;
@@ -353,16 +355,6 @@ impl<C: Rules> Rounds<C> {
         (verdict, watch.map(Waits::Told))
     }
 
-    /// All that a verdict asks of earlier rounds.
-    fn past(&self, what: &What) -> Past {
-        let limit = match what {
-            What::Tet(..) => None,
-            What::Item(item) => self.demands.pending.get(&item.place()).and_then(|own| own.limit),
-        };
-        let num_vertices = (self.budget.others + self.budget.total) as usize;
-        Past { num_vertices, limit }
-    }
-
     /// All of a probe's closure is known: the verdict.
     fn judge(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
         let id = self.id(k);
@@ -376,7 +368,7 @@ impl<C: Rules> Rounds<C> {
             What::Item(_) => true,
         };
         let outcome = match verdict {
-            Verdict::Refuse => return self.give_up(mesh, k),
+            Verdict::Blocked => return self.give_up(mesh, k),
             Verdict::Is(Outcome::Fits(_)) if !has_own => None,
             Verdict::Is(outcome) => Some(outcome),
             Verdict::Useless => None,
@@ -400,8 +392,8 @@ impl<C: Rules> Rounds<C> {
             self.conclude(k, outcome);
             return self.report(mesh, k);
         }
-        if !fits && is_item {
-            // A boundary item that waits for others is in nobody's way. (R24.)
+        if !fits && (is_item || matches!(outcome, Outcome::Refused(_))) {
+            // A boundary item that waits for others, and what is refused, is in nobody's way. (R24.)
             self.drop_parts(k);
             return self.conclude(k, outcome);
         }

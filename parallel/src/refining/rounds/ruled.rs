@@ -15,8 +15,9 @@ pub(super) enum Verdict {
     Is(Outcome),
     /// It does not do what it was made for; another one may.
     Useless,
-    /// It cannot be.
-    Refuse,
+    /// Its tetrahedron cannot be split, since the point would take a subface out of the mesh that may
+    /// not be split: from then on others are refused for that.
+    Blocked,
 }
 
 impl Probe {
@@ -49,12 +50,18 @@ impl Probe {
                 };
                 (Verdict::Is(Outcome::Fits(filled)), watch)
             }
-            Ruling::Defer(first) => match first.first() {
-                Some(&first) => (Verdict::Is(self.what.asks(mesh, first)), None),
-                None => (Verdict::Useless, None),
+            Ruling::Defer(first) if first.is_empty() => (Verdict::Useless, None),
+            Ruling::Defer(first) => match self.what.asks(mesh, &first, past) {
+                Outcome::Refused(_)
+                    if matches!(self.what, What::Tet(..))
+                        && survey.loses_refused(&self.what.under_limit(mesh, past)) =>
+                {
+                    (Verdict::Blocked, None)
+                }
+                outcome => (Verdict::Is(outcome), None),
             },
             Ruling::Useless => (Verdict::Useless, None),
-            Ruling::Refuse => (Verdict::Refuse, None),
+            Ruling::Refuse(reason) => (Verdict::Is(Outcome::Refused(reason)), None),
         }
     }
 

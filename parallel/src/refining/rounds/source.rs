@@ -18,8 +18,7 @@ use crate::protocol::{
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{DomainNews, Fate, KeysTold, Sums, WireLimit};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
-use ltbw_refine::{Asked, BoundaryItem, ItemPlace};
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeSet, VecDeque};
 use std::marker::PhantomData;
 
 /// Why no round follows.
@@ -157,6 +156,8 @@ pub struct Rounds<C = Correct> {
     pub(super) mail: Mail,
     pub(super) created: Vec<TetId>,
     pub(super) budget: Budget,
+    /// The transactions of joint steps in rounds so far.
+    pub(super) spent: usize,
     /// Is a probe of this worker one that rounds do not know what to do with?
     pub(super) is_irregular: bool,
     pub(super) is_cancelled: bool,
@@ -195,6 +196,7 @@ impl<C: Rules> Rounds<C> {
             mail: Mail::default(),
             created: mesh.inner.tets().tets().map(|(t, _)| t).collect(),
             budget: Budget { counted: 0, total: total as i64, most, others: others as i64 },
+            spent: 0,
             is_irregular: false,
             is_cancelled: false,
             ending: None,
@@ -207,49 +209,6 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn expect_tets(&mut self, tets: usize) {
         self.keys.own.expect_tets(tets);
         self.served.expect_tets(tets);
-    }
-
-    /// Goes on where others were: items to be split, candidates when last counted, figures.
-    pub(super) fn resume(
-        &mut self,
-        mesh: &DomainMesh<'_>,
-        asked: &[Asked],
-        candidates: usize,
-        figures: RoundFigures,
-    ) {
-        self.budget.counted = candidates as i64;
-        self.figures = figures;
-        let items: BTreeMap<ItemPlace, BoundaryItem> =
-            asked.iter().map(|own| (own.item.place(), own.item)).collect();
-        for Asked { item, first, limit } in asked {
-            let (item, first, limit, place) = (*item, *first, *limit, item.place());
-            let keeper = self.keeper(mesh, &item);
-            if keeper == self.me {
-                self.demands.pending.insert(place, Pending { item, first, limit, near: None });
-            }
-            if let Some(other) = first.and_then(|first| items.get(&first))
-                && self.keeper(mesh, other) == self.me
-            {
-                self.demands.waiters.entry(other.place()).or_default().push((keeper, place));
-            }
-        }
-    }
-
-    /// The boundary items that are left, the candidates when last counted, the tetrahedra that may
-    /// have tiny dihedral angles, how the rounds have ended, and figures.
-    pub(super) fn into_parts(
-        self,
-        mesh: &DomainMesh<'_>,
-    ) -> (Vec<Pending>, usize, Vec<TetId>, Option<Ending>, RoundFigures) {
-        let (pending, thin) =
-            (self.demands.pending.into_values().collect(), self.keys.into_thin(mesh));
-        (
-            pending,
-            usize::try_from(self.budget.counted).unwrap_or(0),
-            thin,
-            self.ending,
-            self.figures,
-        )
     }
 
     /// Asks the processor to fetch the cavities of the next points to insert. A hint: they may have
@@ -452,6 +411,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 self.counts.asks -= 1;
                 self.demands.gone.push(place);
             }
+            DomainNews::Refused(told) => self.take_refusals(told),
             DomainNews::Release(place) => {
                 self.counts.releases -= 1;
                 self.demands.released.push(place);

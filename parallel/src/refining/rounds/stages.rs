@@ -16,6 +16,7 @@
 //! others, so it takes two waves that are equal.
 
 use super::candidate::What;
+use super::demands::Settled;
 use super::keys::Foremost;
 use super::source::{Ending, Rounds, Stage};
 use super::tree::{SENT, Step, TAKEN, is_quiet};
@@ -153,7 +154,7 @@ impl<C: Rules> Rounds<C> {
                 for (place, count) in CHOSEN.into_iter().zip(self.points.by_class) {
                     sums[place] = count;
                 }
-                sums[NEWS] = self.demands.asked.len() as i64;
+                sums[NEWS] = self.demands.asked.len() as i64 + self.demands.refused.count;
                 sums[FOREMOST] = self.choice.foremost.unwrap_or(0);
             }
             Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => {}
@@ -322,10 +323,12 @@ impl<C: Rules> Rounds<C> {
         }
         self.points.by_class = [0; 3];
         self.points.starts.clear();
-        for (keeper, waiter) in self.demands.settle() {
+        let Settled { waited, refused } = self.demands.settle();
+        for (keeper, waiter) in waited {
             self.counts.releases += 1;
             self.send(keeper, DomainNews::Release(waiter));
         }
+        self.tell_refusals(&refused);
         self.demands.release();
         self.stage = Stage::Looking;
         // R21: one that has not waited for the others is told now.
@@ -335,7 +338,7 @@ impl<C: Rules> Rounds<C> {
                 return self.end(Ending::Done);
             }
         }
-        // Every round inserts a point or asks for something.
+        // Every round inserts a point, asks for something or refuses it.
         if all == 0 && sums[NEWS] == 0 {
             self.end(Ending::Irregular);
         }

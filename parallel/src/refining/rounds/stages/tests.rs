@@ -67,7 +67,7 @@ impl<'c> Late<'c> {
         };
         let under_way = |kinds: [&str; 2]| kinds.map(|kind| self.news.of(kind)).iter().sum();
         let counts = [counted(|c| c.notes), counted(|c| c.asks), counted(|c| c.releases)];
-        let all = [["Void", "WantRivals"], ["Ask", "Gone"], ["Release", ""]];
+        let all = [["Void", "WantRivals"], ["Ask", "Gone"], ["Release", "Refused"]];
         assert_eq!(counts, all.map(under_way), "notes, asks, releases; late {}", self.kind);
     }
 
