@@ -4,7 +4,7 @@
 use crate::refining_rounds::{one_mesh, prepared};
 use ltbw::domain::Prepared;
 use ltbw::refine::Refiner;
-use ltbw::refining::rounds_on_threads;
+use ltbw::refining::{Ending, rounds_on_threads};
 use ltbw::threads::Parallel;
 use ltbw_generate::{DomainKind, Shape};
 
@@ -34,6 +34,8 @@ fn domains_with_small_angles_have_the_engines_mesh_on_any_number_of_workers() {
             let ending = one_mesh(&name, &refiner, &ready);
             let share = share(&refiner, &ready);
             println!("{name}: {ending:?}, {share:.2} of the points by workers");
+            assert_eq!(ending, Ok(Ending::Done), "{name}");
+            assert!(share > 0.9, "{name}: {share} of the points by workers");
         }
     }
 }

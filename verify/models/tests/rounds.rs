@@ -48,6 +48,16 @@ fn patched_case() -> Case {
     Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
 }
 
+/// A wedge of 15 degrees, where much is refused.
+fn angled_case() -> Case {
+    let shape = Shape { angle: Some(15.0), ..Shape::default() };
+    let domain = generate_domain(DomainKind::Wedge, &shape).expect("a shape");
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refiner = Refiner::new().max_volume(1e-4).start(64);
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+}
+
 fn cases() -> Vec<Case> {
     let kinds = [
         (DomainKind::CubeOctahedron, 2e-3),
@@ -127,6 +137,13 @@ fn rounds_with_a_broken_rule_are_caught() {
         assert_eq!(run::<Correct>(&patched[0], of), Ok(()), "{of:?}");
     }
     caught(Defect::Unlabelled, &patched);
+    let angled = [angled_case()];
+    for of in RUNS {
+        assert_eq!(run::<Correct>(&angled[0], of), Ok(()), "{of:?}");
+    }
+    caught(Defect::Leaderless, &angled);
+    caught(Defect::SilentKeeper, &angled);
+    caught(Defect::LastingRank, &angled);
     // Most of its runs do not end.
     caught(Defect::EqualKeys, &all[1..2]);
 }

@@ -213,7 +213,7 @@ impl Bounds<'_> {
         self.limit_in(at, shape, &state.angles)
     }
 
-    /// The same for a tetrahedron with these corners in a region.
+    /// The edges that splitting a tetrahedron with these corners in a region may go down to.
     pub(crate) fn limit_in(
         &self,
         (corners, region): ([&Point; 4], u32),

@@ -5,7 +5,7 @@
 //! the new point, so an item that the mesh has lost never comes back: it has to be split.
 
 use super::encroachment::EncroachmentIndex;
-use super::item::{Item, Queues};
+use super::item::{Item, Queues, has_corner};
 use super::journal::Journal;
 use super::marks::Marks;
 use super::survey::Survey;
@@ -15,7 +15,6 @@ use crate::complex::carrier::Carrier;
 use crate::complex::measure::circumcircle;
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
-use crate::rules::related::has_corner;
 use crate::table::{Map, Set, sides};
 use ltbw_core::cavity::Cavity;
 use ltbw_core::mesh::{At, Mesh};

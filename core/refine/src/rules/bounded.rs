@@ -3,12 +3,11 @@
 
 use super::choice::NOWHERE;
 use super::complex::Complex;
-use super::related::has_corner;
 use super::surveyed::Surveyed;
 use crate::complex::angles::Angles;
 use crate::complex::carrier::Carrier;
 use crate::complex::plc::Plc;
-use crate::mesh::item::Item;
+use crate::mesh::item::{Item, has_corner};
 use crate::mesh::marks::{ENDS, Word, edge_bit, face_bit};
 use crate::mesh::state::{FACE, State};
 use crate::outcome::Reason;

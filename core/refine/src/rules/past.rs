@@ -1,5 +1,5 @@
-//! What came of earlier proposals, by values: the grounds of verdicts beside the closure, for
-//! engines whose mesh is on many processors.
+//! The past of proposals by values: the grounds of verdicts beside the closure, for engines whose
+//! mesh is on many processors.
 
 use super::choice::{BoundaryItem, ItemPlace};
 use super::record::{Refusal, first_of};

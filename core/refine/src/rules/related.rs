@@ -5,7 +5,7 @@
 use super::bounded::Bounded;
 use super::verdict::Judge;
 use crate::complex::carrier::Carrier;
-use crate::mesh::item::Item;
+use crate::mesh::item::{Item, has_corner};
 use crate::mesh::limit::Limit;
 use crate::mesh::state::{Place, State};
 use crate::outcome::Reason;
@@ -20,16 +20,6 @@ const TIP_SIDE: f64 = 0.75;
 /// The part of its limit that an edge has to have where no joint step halves limits: edges between
 /// shells of one size differ in their last bits only, and these decide nothing. (Rounds only.)
 const SLACK: f64 = 0.99;
-
-/// Has a boundary item an input vertex for a corner?
-pub(crate) fn has_corner(item: Item, corner: u32, carrier: impl Fn(VertexId) -> Carrier) -> bool {
-    let is = |&v: &VertexId| carrier(v) == Carrier::Corner(corner);
-    match item {
-        Item::Segment(s) => s.iter().any(is),
-        Item::Subface(s) => s.iter().any(is),
-        Item::Tet(..) => false,
-    }
-}
 
 impl<B: Bounded> Judge<'_, B> {
     pub(super) fn has_corner(&self, item: Item, corner: u32) -> bool {

@@ -198,8 +198,8 @@ impl<'a> Delegated<'a> {
         self.finish_from(Some(resumed))
     }
 
-    /// Takes over where boundary items wait for each other in circles, and splits these. Others go on
-    /// then with what is left.
+    /// Takes over where boundary items wait for each other in circles, and splits these. Others go
+    /// on then with what is left.
     ///
     /// # Errors
     /// Those of [`Delegated::finish`].
@@ -255,7 +255,7 @@ impl<'a> Delegated<'a> {
         let refused = items.map(|items| items.into_iter().chain(tets).collect());
         let gone = || RefineError::Invariant { what: "items asked for are in the mesh" };
         self.run.stats = stats;
-        // Those that no point helps were looked over, and have to be refused with their reasons.
+        // Tetrahedra that no point helps have to be refused with their reasons.
         let thin = thin.filter(|_| !complex.has_angles());
         let (waiting, refused) = (waiting.ok_or_else(gone)?, refused.ok_or_else(gone)?);
         Ok(Resumed { waiting, refused, candidates, thin, spent: self.spent })

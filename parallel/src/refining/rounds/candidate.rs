@@ -1,7 +1,6 @@
 //! Probes and candidates as values.
 
 use super::reserved::LazyRank;
-use super::serve::corner;
 use crate::protocol::{Name, Table, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{Bits, Owned, ProbeId, Proposal, WireClosure};
@@ -34,7 +33,7 @@ impl What {
         let (past, limit, reason) = match *self {
             Self::Tet(_, v) => {
                 let past = self.under_limit(mesh, past);
-                let reason = || mesh.complex.reason_near(v.map(|v| corner(mesh, v)));
+                let reason = || mesh.complex.reason_near(v.map(|v| mesh.corner(v)));
                 let is_told = past.refused.is_empty() && !first.is_empty();
                 let reason = if is_told { Reason::Rounding } else { reason() };
                 (past, past.limit, reason)

@@ -39,14 +39,14 @@ impl Refused {
         };
     }
 
-    /// The same of one that this worker keeps: all are to be told.
+    /// Notes that all are to be told of an item that this worker keeps.
     fn tell(&mut self, place: ItemPlace, why: Option<Refusal>, settled: &mut Settled) {
         self.set(place, why);
         settled.refused.push((place, why));
     }
 }
 
-/// What follows from the news of a round about the items of a keeper.
+/// The consequences of a round's news about the items of a keeper.
 #[derive(Debug, Default)]
 pub(super) struct Settled {
     /// The items that waited for those that are gone or refused, with their keepers.
@@ -61,7 +61,7 @@ pub(super) struct Demands {
     pub(super) pending: BTreeMap<ItemPlace, Pending>,
     /// By item, the items that wait for it, with their keepers.
     pub(super) waiters: BTreeMap<ItemPlace, Vec<(WorkerId, ItemPlace)>>,
-    /// What was refused.
+    /// The items that were refused.
     pub(super) refused: Refused,
     /// Items asked for in this round.
     pub(super) asked: Vec<Demand>,
@@ -77,8 +77,8 @@ impl Demands {
         self.pending.values().filter(|own| own.first.is_none()).count()
     }
 
-    /// Enters the news of a round. An item that was refused and is asked for once more is refused no
-    /// longer; what is refused in this round is so with all that was asked of it.
+    /// Enters the news of a round. An item that was refused and is asked for once more is refused
+    /// no longer; one that is refused in this round is so with all that was asked of it.
     pub(super) fn settle(&mut self) -> Settled {
         let mut settled = Settled::default();
         for (mut asked, waiter) in self.asked.drain(..) {

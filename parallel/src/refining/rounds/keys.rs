@@ -14,7 +14,6 @@
 mod told;
 
 use super::ranked::{Own, RankedHere, places_of, rank_of};
-use super::serve::corner;
 use crate::protocol::{BlockId, Handle, Name, Rules};
 use crate::refining::domain::DomainMesh;
 use crate::refining::flags::Flags;
@@ -82,7 +81,7 @@ pub(super) struct SharedKeys {
     spare: Vec<Vec<(Name, u8, Option<Rank>)>>,
     /// Tetrahedra that were refused.
     refused: FxHashMap<Own, Refusal>,
-    /// Those of them whose ranks others may know still.
+    /// The ones among them whose ranks others may know still.
     withdrawn: Vec<Own>,
     /// The memory of lists of the foremost ones, of rounds before.
     foremost: [Vec<Foremost>; 2],
@@ -377,7 +376,7 @@ impl SharedKeys {
 
 /// Is splitting a tetrahedron over its bounds no help?
 fn is_beyond_help(mesh: &DomainMesh<'_>, t: TetId) -> bool {
-    let corners = || mesh.inner.tets().vertices(t).map(|v| corner(mesh, v));
+    let corners = || mesh.inner.tets().vertices(t).map(|v| mesh.corner(v));
     mesh.complex.has_angles() && mesh.complex.is_beyond_help(corners(), mesh.region(t))
 }
 

@@ -25,7 +25,9 @@ impl<C: Rules> Rounds<C> {
         for list in &foremost {
             for k in along_curve(list.iter().map(|own| own.at)) {
                 let Foremost { t, v, .. } = list[k];
+                // R29.
                 let group = mesh.complex.group_of(v.map(|v| mesh.point(v)));
+                let group = group.filter(|_| C::shares_leaders());
                 entrants.push(Entrant { rank: rank_of::<C>(mesh, v), tet: Some(t), group });
                 entered.push(list[k]);
             }
@@ -35,14 +37,14 @@ impl<C: Rules> Rounds<C> {
         self.send(CONDUCTOR, DomainNews::Entrants(entrants));
     }
 
-    /// The conductor tells all who of theirs are probed.
+    /// The conductor tells all workers which of theirs are probed.
     pub(super) fn tell_leaders(&mut self, contest: &Contest) {
         for (home, numbers) in (0..).map(WorkerId::new).zip(contest.probed()) {
             self.send(home, DomainNews::Launch(numbers));
         }
     }
 
-    /// Those of the foremost with these numbers are probed.
+    /// The foremost tetrahedra with these numbers are probed.
     pub(super) fn probe_leaders(&mut self, entered: &[Foremost], numbers: &[u32]) {
         self.choice.foremost = Some(numbers.len() as i64);
         for &Foremost { t, v, lead, .. } in numbers.iter().map(|&k| &entered[k as usize]) {

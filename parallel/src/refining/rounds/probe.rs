@@ -4,7 +4,7 @@ use super::candidate::{Outcome, Probe, Seeker, Waits, What};
 use super::here::Here;
 use super::ranked::rank_of;
 use super::ruled::Verdict;
-use super::serve::{corner, describe};
+use super::serve::describe;
 use super::source::Rounds;
 use super::way::{Entry, FarFace, WayEnd, labels_at, walk_way};
 use crate::protocol::{Directory, Handle, Rules, Submesh, Table, Walk, WorkerId};
@@ -76,7 +76,7 @@ impl<C: Rules> Rounds<C> {
                     return self.give_up(mesh, k);
                 }
                 let labels = |slot: usize| labels_at(mesh, t, slot);
-                let sides = mesh.complex.sides_of(v.map(|v| corner(mesh, v)), labels);
+                let sides = mesh.complex.sides_of(v.map(|v| mesh.corner(v)), labels);
                 self.conclude_with(mesh, k, &sides);
             }
             Aim::Refused => self.refuse(mesh, k, Reason::Floor),
@@ -393,7 +393,8 @@ impl<C: Rules> Rounds<C> {
             return self.report(mesh, k);
         }
         if !fits && (is_item || matches!(outcome, Outcome::Refused(_))) {
-            // A boundary item that waits for others, and what is refused, is in nobody's way. (R24.)
+            // A boundary item that waits for others is in nobody's way, nor is what is refused.
+            // (R24.)
             self.drop_parts(k);
             return self.conclude(k, outcome);
         }

@@ -47,7 +47,8 @@ impl<C: Rules> Rounds<C> {
 
     /// Tells all others which items of this keeper are refused, or are not any more.
     pub(super) fn tell_refusals(&mut self, told: &[(ItemPlace, Option<Refusal>)]) {
-        if told.is_empty() {
+        // R30.
+        if told.is_empty() || !C::tells_refusals() {
             return;
         }
         let me = self.me;

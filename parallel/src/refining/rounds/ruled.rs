@@ -15,8 +15,8 @@ pub(super) enum Verdict {
     Is(Outcome),
     /// It does not do what it was made for; another one may.
     Useless,
-    /// Its tetrahedron cannot be split, since the point would take a subface out of the mesh that may
-    /// not be split: from then on others are refused for that.
+    /// Its tetrahedron cannot be split, since the point would take a subface out of the mesh that
+    /// may not be split: from then on others are refused for that.
     Blocked,
 }
 
