@@ -447,7 +447,7 @@ fn workers_refine_a_domain_to_one_mesh() {
     let run = ltbw(dir.path(), &["generate", "wedge", "--angle", "5", "-o", "w.poly"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let args = ["mesh", "w.poly", "--max-volume", "1e-2", "--workers", "2", "-o", "w.pvtu"];
-    let run = ltbw(dir.path(), &args);
+    let run = ltbw(dir.path(), &[&args[..], &["--mode", "async"]].concat());
     assert!(run.stderr.contains("note: one thread has refined it: "), "{}", run.stderr);
     let parts = ["w_0.vtu", "w_1.vtu"].map(|part| read_mesh(dir.path().join(part)).unwrap());
     assert!(!parts[0].tets.is_empty() && parts[1].tets.is_empty());

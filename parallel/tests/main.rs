@@ -7,6 +7,7 @@ mod foreign;
 mod home;
 mod limit;
 mod ownership;
+mod refining_angles;
 mod refining_domains;
 mod refining_patches;
 mod refining_rounds;

@@ -18,7 +18,7 @@ fn cases(number: u64) -> u64 {
     std::env::var("LTBW_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(number)
 }
 
-fn prepared(kind: DomainKind, shape: &Shape) -> Prepared {
+pub(crate) fn prepared(kind: DomainKind, shape: &Shape) -> Prepared {
     let domain = generate_domain(kind, shape).expect("a shape");
     domain.prepare(&PrepareOptions::default()).expect("a sound domain")
 }
@@ -150,12 +150,12 @@ fn all_kinds_of_domains_have_the_engines_mesh() {
         workers += usize::from(one_mesh(&format!("{kind:?}"), &refiner, &ready).is_ok());
     }
     println!("{workers} of {} kinds by workers", DomainKind::ALL.len());
-    assert!(workers >= 8, "{workers}");
+    assert!(workers == DomainKind::ALL.len(), "{workers}");
     for angle in [5.0, 30.0] {
         let ready = prepared(DomainKind::Wedge, &Shape { angle: Some(angle), ..Shape::default() });
         let refiner = Refiner::new().max_volume(1e-4).start(64);
         let ending = one_mesh(&format!("wedge {angle}"), &refiner, &ready);
-        assert_eq!(ending.is_ok(), angle > 20.0, "wedge {angle}: {ending:?}");
+        assert!(ending.is_ok(), "wedge {angle}: {ending:?}");
     }
     let mut two = prepared(DomainKind::TwoMaterial, &Shape::default());
     two.domain.regions[0].max_volume = Some(1e-3);
@@ -260,9 +260,9 @@ fn a_round_that_is_handed_over_is_chosen_as_if_nobody_had() {
     assert!(count > 10, "{count} rounds");
 }
 
-/// Where circles of items stay that cannot be split together, workers hand over: one mesh, and one
-/// list of excuses, for any number of threads and of workers. None of these would stay if joint
-/// steps were not cut short here.
+/// Where circles of items stay that cannot be split together, workers go on without them: one mesh,
+/// and one list of excuses, for any number of threads and of workers. None of these would stay if
+/// joint steps were not cut short here.
 #[test]
 fn circles_that_cannot_be_parted_leave_the_engines_mesh() {
     let cases: [([f64; 2], &[u32]); 4] = [
@@ -294,12 +294,12 @@ fn circles_that_cannot_be_parted_leave_the_engines_mesh() {
                 let run = rounds_on_threads(&refiner, whole, &Parallel::new(workers));
                 let run = run.expect("a run ends");
                 same(&format!("{name}: {workers} workers"), &run.refined, &engine);
-                circles += usize::from(run.ending == Ok(Ending::Circles));
+                circles += usize::from(run.figures.ended > 1);
             }
             points += engine.stats.round_points;
         }
     }
-    println!("{circles} runs of workers ended at circles, {points} points by rounds");
+    println!("{circles} runs of workers had circles, {points} points by rounds");
     assert!(circles > 20 && points > 1000, "{circles} {points}");
 }
 

@@ -149,8 +149,8 @@ fn domains_on_teams_have_the_engines_mesh() {
         let rounds = on_teams(&format!("{kind:?} {volume} {angle:?}"), &refiner, &ready);
         by_members += usize::from(rounds.iter().all(|own| own.figures.points > 0));
     }
-    // Small angles are the first member's.
-    assert!(by_members >= 8, "members have refined {by_members} of {} domains", NAMED.len());
+    // Of some nothing is left for rounds.
+    assert!(by_members >= 12, "members have refined {by_members} of {} domains", NAMED.len());
 }
 
 #[test]
@@ -165,13 +165,13 @@ fn a_surface_with_patches_on_teams_has_the_engines_mesh() {
     }
 }
 
-/// Items that wait for each other are split by the first member, and all go on from there, unless
+/// Items that wait for each other are split by the first member, and all go on from there, also if
 /// one cannot be split.
 #[test]
 fn circles_are_split_by_the_first_member() {
     let cases: [([f64; 2], &[u32]); 2] =
         [([3.0, 2.0], &[42, 6, 4]), ([1.0, 1.0], &[52, 54, 19, 27, 38, 22, 30, 55])];
-    let (mut again, mut handed_over) = (0, 0);
+    let (mut again, mut cut_short) = (0, 0);
     for (base, layers) in cases {
         let thicknesses: Vec<f64> = layers.iter().map(|&t| f64::from(t) / 64.0).collect();
         let domain = stack(base, &thicknesses, false);
@@ -181,11 +181,12 @@ fn circles_are_split_by_the_first_member() {
             let refiner = Refiner::new().max_volume(volume / parts).start(0);
             let refiner = most.map_or(refiner, |most| refiner.joint_most(most));
             let rounds = on_teams(&format!("{layers:?}, {parts}, {most:?}"), &refiner, &ready);
-            again += rounds.iter().filter(|own| own.figures.ended > 1).count();
-            handed_over += rounds.iter().filter(|own| own.ending == Some(Ending::Circles)).count();
+            let gone_on = rounds.iter().filter(|own| own.figures.ended > 1).count();
+            again += gone_on;
+            cut_short += if most.is_some() { gone_on } else { 0 };
         }
     }
-    assert!(again > 0 && handed_over > 0, "{again} went on after a circle, {handed_over} did not");
+    assert!(again > 0 && cut_short > 0, "{again} went on after circles, {cut_short} with refusals");
 }
 
 #[test]

@@ -39,8 +39,8 @@ pub(crate) struct Simulate {
     pub(crate) kind: PointKind,
     /// Refine a domain: a file, or a kind as of `generate`
     ///
-    /// Domains with small angles one processor refines alone, and without rounds also those with
-    /// facets that are coplanar within a tolerance.
+    /// Without rounds domains with small angles, or with facets that are coplanar within a
+    /// tolerance, are refused.
     #[arg(long, value_name = "FILE|KIND")]
     #[arg(conflicts_with_all = ["points", "kind", "page", "trace", "sample", "cursors", "abreast"])]
     #[arg(hide_short_help = true)]

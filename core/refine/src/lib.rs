@@ -56,6 +56,8 @@ pub use complex::background::{Background, BackgroundError};
 pub use complex::carrier::Carrier;
 pub use mesh::bounds::SizeField;
 pub use mesh::item::Item;
+#[doc(hidden)]
+pub use mesh::limit::Limit;
 pub use mesh::region::RegionInfo;
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats, Sliver, Spot};
 pub use output::excuse::Excused;
@@ -71,11 +73,15 @@ pub use rules::by_values::Survey;
 #[doc(hidden)]
 pub use rules::choice::{
     BoundaryItem, Closure, Corner, Filled, ItemPlace, NOWHERE, Rank, RankLead, Relabelled, Rival,
-    Ruling,
+    Ruling, TetPlace,
 };
 pub use rules::complex::{Complex, ComplexError, Start};
 #[doc(hidden)]
 pub use rules::group::Group;
+#[doc(hidden)]
+pub use rules::past::{Past, Refusals};
+#[doc(hidden)]
+pub use rules::record::Refusal;
 #[doc(hidden)]
 pub use rules::surveyed::{Collected, Surveyed};
 #[doc(hidden)]
@@ -86,7 +92,7 @@ pub use rules::watch::Watch;
 pub use rules::way::{Across, Heading, Stop, View, Way, middle, walk};
 pub use run::Refiner;
 #[doc(hidden)]
-pub use run::{Asked, Delegated, Handed, Parted};
+pub use run::{Asked, Delegated, Handed, Remaining};
 #[doc(hidden)]
 pub use thin::{Thin, ThinTets};
 pub use whole::MeshError;

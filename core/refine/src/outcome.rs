@@ -6,6 +6,7 @@ use ltbw_exact::Point;
 /// A place, in the coordinates of the mesh, where something that the refinement has made could not
 /// be split. Places are in the order of x, y, z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spot([u64; 3]);
 
 /// The sign of a number among its bits.
@@ -36,6 +37,7 @@ impl std::fmt::Display for Spot {
 
 /// Why something could not be split. Ids are those of the domain's complex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Reason {
     /// Two facets meet along this segment at a dihedral angle below the theory's limit.

@@ -6,7 +6,7 @@ mod delegated;
 mod finish;
 
 #[doc(hidden)]
-pub use delegated::{Asked, Delegated, Handed, Parted};
+pub use delegated::{Asked, Delegated, Handed, Remaining};
 
 use crate::RefineError;
 use crate::complex::carrier::{Carrier, UNIT};

@@ -77,7 +77,9 @@ fn refine<'a, C: Rules, R>(
     }
     let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
     let (asked, candidates, thin, stats) = (Vec::new(), 0, None, delegated.stats());
-    let handed = Handed { mesh, carriers, regions, asked, candidates, thin, stats };
+    let (refused, refused_tets) = (Vec::new(), Vec::new());
+    let handed =
+        Handed { mesh, carriers, regions, asked, refused, refused_tets, candidates, thin, stats };
     Ok(Refining { refined: delegated.finish(handed)?, splits, owners: Owners(firsts), told })
 }
 

@@ -5,7 +5,10 @@ use crate::mesh::VertexName;
 use crate::protocol::{Handle, Name, WorkerId};
 use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
-use ltbw_refine::{BoundaryItem, Carrier, Corner, Group, ItemPlace, NOWHERE, Rank, Rival, Watch};
+use ltbw_refine::{
+    BoundaryItem, Carrier, Corner, Group, ItemPlace, Limit, NOWHERE, Rank, Reason, Refusal, Rival,
+    Watch,
+};
 use smallvec::SmallVec;
 
 /// A point as bits: the protocol never sees a float.
@@ -56,6 +59,42 @@ impl WireItem {
     pub(crate) fn item(&self) -> BoundaryItem {
         let corners: SmallVec<[Corner; 3]> = self.corners.iter().map(WireCorner::corner).collect();
         BoundaryItem::new(&corners, self.of)
+    }
+}
+
+/// A limit of edges in a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
+pub struct WireLimit {
+    least: u64,
+    along: Option<u64>,
+}
+
+impl WireLimit {
+    pub(crate) fn new(limit: Limit) -> Self {
+        Self { least: limit.least.to_bits(), along: limit.along.map(f64::to_bits) }
+    }
+
+    pub(crate) fn limit(self) -> Limit {
+        Limit { least: f64::from_bits(self.least), along: self.along.map(f64::from_bits) }
+    }
+}
+
+/// A refusal in a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
+pub struct WireRefusal {
+    reason: Reason,
+    limit: Option<WireLimit>,
+}
+
+impl WireRefusal {
+    pub(crate) fn new(refusal: Refusal) -> Self {
+        Self { reason: refusal.reason, limit: refusal.limit.map(WireLimit::new) }
+    }
+
+    pub(crate) fn refusal(self) -> Refusal {
+        Refusal { reason: self.reason, limit: self.limit.map(WireLimit::limit) }
     }
 }
 
@@ -131,6 +170,8 @@ pub enum Reported {
     Nothing,
     /// Another item is to be split first.
     Asks,
+    /// It cannot be split.
+    Refused,
     /// The point may be inserted; if it changes a patch, it has to be alone.
     Fits {
         /// Has it to be alone?
@@ -158,6 +199,11 @@ pub struct Report {
 impl Report {
     pub(crate) fn is_alone(&self) -> bool {
         matches!(self.verdict, Reported::Fits { is_alone: true })
+    }
+
+    /// Is it in nobody's way?
+    pub(crate) fn is_refused(&self) -> bool {
+        self.verdict == Reported::Refused
     }
 
     /// Its closure.
@@ -199,7 +245,8 @@ pub(crate) fn rival(byte: u8) -> Rival {
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum KeysTold {
     /// In the first exchange of a round: the ranks of the sender's tetrahedra over their bounds.
-    Ranks(Vec<(Name, u8, Rank)>),
+    /// None of one that was refused.
+    Ranks(Vec<(Name, u8, Option<Rank>)>),
     /// In the second: comes a tetrahedron around the sender's before the receiver's?
     Behind(Vec<(Name, u8, bool)>),
 }
@@ -287,15 +334,17 @@ pub enum DomainNews {
     Ask {
         /// The item.
         item: WireItem,
-        /// The bits of the shortest edge that this may lead to.
-        limit: Option<u64>,
+        /// The edges that this may lead to.
+        limit: Option<WireLimit>,
         /// Another item that waits for it.
         waiter: Option<ItemPlace>,
     },
     /// A boundary item is gone.
     Gone(ItemPlace),
-    /// The item that this one waits for is gone.
+    /// The item that this one waits for is gone, or refused.
     Release(ItemPlace),
+    /// Boundary items that the sender keeps were refused, or are not any more.
+    Refused(Vec<(ItemPlace, Option<WireRefusal>)>),
     /// A boundary item of the sender's list is split, or cannot be: the items that wait for it are
     /// asked again. (Without rounds.)
     Ended([VertexName; 3]),
@@ -307,7 +356,7 @@ pub enum DomainNews {
 }
 
 /// The kinds of news that barriers wait for, in the order in which a round has them.
-pub(crate) const NEWS_KINDS: [&str; 15] = [
+pub(crate) const NEWS_KINDS: [&str; 16] = [
     "Keys",
     "Way",
     "Seek",
@@ -323,6 +372,7 @@ pub(crate) const NEWS_KINDS: [&str; 15] = [
     "Ask",
     "Gone",
     "Release",
+    "Refused",
 ];
 
 /// Bytes of some corners, most of which are free.
@@ -378,8 +428,9 @@ impl DomainNews {
             Self::Report(report) => report.bytes(),
             Self::Fates(all) => 4 + all.len() as u64,
             Self::Rivals { rivals, .. } => 8 + rivals.len() as u64 / 2,
-            Self::Ask { item, waiter, .. } => item_bytes(item) + 9 + waiter.map_or(1, |_| PLACE),
+            Self::Ask { item, waiter, .. } => item_bytes(item) + 18 + waiter.map_or(1, |_| PLACE),
             Self::Gone(_) | Self::Release(_) => PLACE,
+            Self::Refused(all) => 4 + (PLACE + 36) * all.len() as u64,
             Self::Ended(_) => 3 * 8,
             Self::Several(all) => all.iter().map(|news| 1 + news.bytes()).sum(),
         }
@@ -405,6 +456,7 @@ impl DomainNews {
             Self::Ask { .. } => 12,
             Self::Gone(_) => 13,
             Self::Release(_) => 14,
+            Self::Refused(_) => 15,
             Self::Several(all) => return all.iter().flat_map(Self::kinds).collect(),
             Self::Up(_) | Self::Down(_) | Self::Ended(_) => return Vec::new(),
         };

@@ -48,6 +48,16 @@ fn patched_case() -> Case {
     Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
 }
 
+/// A domain with a small angle, where much is refused.
+fn angled_case(kind: DomainKind, angle: f64, volume: f64) -> Case {
+    let shape = Shape { angle: Some(angle), ..Shape::default() };
+    let domain = generate_domain(kind, &shape).expect("a shape");
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refiner = Refiner::new().max_volume(volume).start(64);
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+}
+
 fn cases() -> Vec<Case> {
     let kinds = [
         (DomainKind::CubeOctahedron, 2e-3),
@@ -129,4 +139,21 @@ fn rounds_with_a_broken_rule_are_caught() {
     caught(Defect::Unlabelled, &patched);
     // Most of its runs do not end.
     caught(Defect::EqualKeys, &all[1..2]);
+}
+
+#[test]
+fn refusals_with_a_broken_rule_are_caught() {
+    let all = [
+        angled_case(DomainKind::Wedge, 15.0, 3e-5),
+        angled_case(DomainKind::Wedge, 5.0, 3e-5),
+        angled_case(DomainKind::Spike, 15.0, 1e-3),
+    ];
+    for case in &all {
+        for of in RUNS {
+            assert_eq!(run::<Correct>(case, of), Ok(()), "{of:?}");
+        }
+    }
+    caught(Defect::SilentKeeper, &all[..1]);
+    caught(Defect::LastingRank, &all[..1]);
+    caught(Defect::Leaderless, &all);
 }

@@ -241,6 +241,11 @@ impl Angles {
         self.sharp.is_empty() && self.wedges.is_empty()
     }
 
+    /// Do any rules count that are for small angles and near features?
+    pub(crate) fn matter(&self) -> bool {
+        self.relates() || !self.is_empty()
+    }
+
     /// The ends of a segment at which two facets meet at a small dihedral angle.
     pub(crate) fn hinge(&self, f: u32, g: u32) -> Option<[u32; 2]> {
         self.facets.get(&edge(f, g))?.list.iter().find_map(|reason| match *reason {
@@ -303,6 +308,22 @@ impl Angles {
     /// Why segment `s` is related to any other, if it is.
     pub(crate) fn reason_of_segment(&self, s: u32) -> Option<Reason> {
         self.of_segment.get(&s)?.list.first().copied()
+    }
+
+    /// The small angle that a tetrahedron is at, if any of its vertices, which live there, is on
+    /// something at one: the first one tells.
+    pub(crate) fn reason_near(&self, plc: &Plc, carriers: [Carrier; 4]) -> Reason {
+        let facets = |f: &u32| self.reason_of_facet(*f);
+        let reason = carriers.into_iter().find_map(|carrier| match carrier {
+            Carrier::Segment(s, _) => {
+                let own = self.reason_of_segment(s);
+                own.or_else(|| plc.segments[s as usize].facets.iter().find_map(facets))
+            }
+            Carrier::Corner(c) => plc.facets_at[c as usize].iter().find_map(facets),
+            Carrier::Facet(f) => facets(&f),
+            Carrier::Free => None,
+        });
+        reason.unwrap_or(Reason::Rounding)
     }
 
     /// Why facet `f` is related to any other, for an item of it with the corners that `has` says.

@@ -17,8 +17,11 @@
 //! Such a tetrahedron that is over its bound of shape only is excused at once, with the corner or
 //! segment for a reason. Before, it was split for some levels, each of which left as many excused.
 
+use crate::complex::angles::Angles;
 use crate::complex::carrier::Carrier;
 use crate::complex::measure::circumcircle;
+use crate::complex::plc::Plc;
+use crate::mesh::bounds::Bounds;
 use crate::mesh::item::Item;
 use crate::mesh::state::State;
 use crate::outcome::Reason;
@@ -35,69 +38,19 @@ impl Refinement<'_> {
     /// The corner or segment because of which splitting tetrahedron `t`, with its vertices in any
     /// order, is no help, if it is over its bound of shape only. Of several the order says which.
     pub(crate) fn beyond_help(&self, t: TetId, v: [VertexId; 4]) -> Option<Reason> {
-        if self.state.angles.is_empty() {
-            return None;
-        }
         let bounds = self.bounds.as_ref()?;
-        let bound = bounds.ratio?.value();
-        let reason = self.state.tip(v, bound).or_else(|| self.state.collar(v, bound))?;
+        let reason = self.state.asks_for_shape(v, bounds)?;
         (!bounds.is_large(&self.state, t)).then_some(reason)
     }
 }
 
 impl State {
-    /// The side of the tip that a point of a subsegment makes at a corner with a tip too sharp for
-    /// the bound on shapes, if all segments are cut there at its distance from the corner.
-    pub(crate) fn tip_side(&self, ends: [VertexId; 2], p: &Point) -> Option<f64> {
-        let s = *self.segments.get(&ends)?;
-        let side = |end: VertexId| {
-            let Carrier::Corner(corner) = self.carriers[end.index()] else { return None };
-            let half = self.angles.sharpest(&self.plc, s, corner)?;
-            Some(2.0 * half * distance2(&self.at(end), p).sqrt())
-        };
-        ends.into_iter().filter_map(side).reduce(f64::min)
-    }
-
-    /// May a point of `item` take `other` out of the mesh, although they are related for this
-    /// reason? A subsegment and what else is at its corner may be split together, and, of what is
-    /// too large, both sides of a small angle.
-    pub(crate) fn go_together(&self, item: Item, other: Item, reason: Reason, sized: bool) -> bool {
-        let is_at = |corner| self.has_corner(item, corner) && self.has_corner(other, corner);
-        match reason {
-            Reason::SmallDihedral { .. } => sized,
-            Reason::SmallFaceAngle { corner } => {
-                sized || matches!(item, Item::Segment(_)) && is_at(corner)
-            }
-            _ => false,
-        }
-    }
-
-    /// Is a vertex across a small angle from a boundary item on these facets: on a facet at a small
-    /// dihedral angle with one of them, and not on that one, or on a segment that makes a tip with
-    /// the item?
-    pub(crate) fn is_across(&self, v: VertexId, item: Item, facets: &[u32]) -> bool {
-        let carrier = self.carriers[v.index()];
-        if let Item::Segment(ends) = item
-            && let Some(&s) = self.segments.get(&ends)
-        {
-            let segments = match &carrier {
-                Carrier::Segment(r, _) => std::slice::from_ref(r),
-                Carrier::Corner(c) => self.plc.segments_at[*c as usize].as_slice(),
-                Carrier::Facet(_) | Carrier::Free => &[],
-            };
-            let is_tip = |end: VertexId| match self.carriers[end.index()] {
-                Carrier::Corner(corner) => {
-                    segments.iter().any(|&r| r != s && self.angles.is_tip(s, r, corner))
-                }
-                _ => false,
-            };
-            if ends.into_iter().any(|end| end != v && is_tip(end)) {
-                return true;
-            }
-        }
-        let others = self.plc.facets_of(&carrier);
-        let across = |f: u32, g: u32| !facets.contains(&g) && self.angles.hinge(f, g).is_some();
-        facets.iter().any(|&f| !self.lies_on(carrier, f) && others.iter().any(|&g| across(f, g)))
+    /// The corner or segment of the domain that asks for the shape of a tetrahedron with these
+    /// corners, in any order, if one does: it is on a tip or in a collar.
+    pub(crate) fn asks_for_shape(&self, v: [VertexId; 4], bounds: &Bounds<'_>) -> Option<Reason> {
+        let corners = self.cornered(v);
+        let of = |[j, k]: [usize; 2]| self.segments.get(&edge(v[j], v[k])).copied();
+        self.angles.beyond_help(&self.plc, (&corners, of), bounds)
     }
 
     /// The small angle at which a subsegment is, or that it and others displace each other.
@@ -112,51 +65,84 @@ impl State {
         reason.unwrap_or_else(|| self.interlocked(item))
     }
 
-    /// The corner at which a tetrahedron is on a tip for this bound on its shape.
-    pub(crate) fn tip(&self, v: [VertexId; 4], bound: f64) -> Option<Reason> {
-        (0..4).find_map(|k| {
-            let Carrier::Corner(corner) = self.carriers[v[k].index()] else { return None };
-            let reason = Reason::SmallFaceAngle { corner };
-            let [a, b, c] = REST[k].map(|k| v[k]);
-            let pairs = [[a, b], [b, c], [c, a]];
-            pairs.iter().any(|&pair| self.is_tip(v[k], corner, pair, bound)).then_some(reason)
-        })
+    /// Some vertices, each with where it lives.
+    fn cornered(&self, v: [VertexId; 4]) -> [(Carrier, Point); 4] {
+        v.map(|v| (self.carriers[v.index()], self.at(v)))
     }
 
-    /// Are two vertices the far ends of subsegments at a corner with an angle too small for this
-    /// bound, and no farther apart than the subsegments are long?
-    fn is_tip(&self, apex: VertexId, corner: u32, ends: [VertexId; 2], bound: f64) -> bool {
-        let of = |end: VertexId| self.segments.get(&edge(apex, end)).copied();
-        let [Some(s), Some(r)] = ends.map(of) else { return false };
-        if s == r || !self.angles.is_tip(s, r, corner) {
-            return false;
+    /// The segment in whose collar a tetrahedron is for this bound on its shape.
+    pub(crate) fn collar(&self, v: [VertexId; 4], bound: f64) -> Option<Reason> {
+        self.angles.collar(&self.plc, &self.cornered(v), bound)
+    }
+}
+
+/// The corners of a tetrahedron.
+type Corners = [(Carrier, Point); 4];
+
+impl Angles {
+    /// The corner or segment because of which splitting a tetrahedron with these corners is no
+    /// help, if it is over its bound of shape only; `of` tells the segment of an edge that is a
+    /// subsegment. Of several the order says which.
+    pub(crate) fn beyond_help(
+        &self,
+        plc: &Plc,
+        (corners, of): (&Corners, impl Fn([usize; 2]) -> Option<u32>),
+        bounds: &Bounds<'_>,
+    ) -> Option<Reason> {
+        if self.is_empty() {
+            return None;
         }
-        let (o, [a, b]) = (self.at(apex), ends.map(|v| self.at(v)));
-        let side = distance2(&a, &b);
-        side <= distance2(&o, &a).min(distance2(&o, &b))
-            && circumcircle(&a, &b, &o).1 > bound * bound * side
+        let bound = bounds.ratio?.value();
+        self.tip(corners, of, bound).or_else(|| self.collar(plc, corners, bound))
+    }
+
+    /// The corner at which a tetrahedron is on a tip for this bound on its shape: two edges there
+    /// are subsegments at an angle too small for it, and their far ends no farther apart than they
+    /// are long.
+    fn tip(
+        &self,
+        corners: &Corners,
+        of: impl Fn([usize; 2]) -> Option<u32>,
+        bound: f64,
+    ) -> Option<Reason> {
+        let is_tip = |apex: usize, corner: u32, ends: [usize; 2]| {
+            let [Some(s), Some(r)] = ends.map(|end| of([apex, end])) else { return false };
+            if s == r || !self.is_tip(s, r, corner) {
+                return false;
+            }
+            let [o, a, b] = [apex, ends[0], ends[1]].map(|k| corners[k].1);
+            let side = distance2(&a, &b);
+            side <= distance2(&o, &a).min(distance2(&o, &b))
+                && circumcircle(&a, &b, &o).1 > bound * bound * side
+        };
+        (0..4).find_map(|k| {
+            let Carrier::Corner(corner) = corners[k].0 else { return None };
+            let [a, b, c] = REST[k];
+            let pairs = [[a, b], [b, c], [c, a]];
+            let reason = Reason::SmallFaceAngle { corner };
+            pairs.into_iter().any(|pair| is_tip(k, corner, pair)).then_some(reason)
+        })
     }
 
     /// The segment in whose collar a tetrahedron is for this bound on its shape: all its vertices
     /// are on two facets that meet there, some on each alone, and some on the segment.
-    pub(crate) fn collar(&self, v: [VertexId; 4], bound: f64) -> Option<Reason> {
+    pub(crate) fn collar(&self, plc: &Plc, corners: &Corners, bound: f64) -> Option<Reason> {
         let limit = 1.0 / (16.0 * bound * bound);
-        let on = |f: u32, v: &VertexId| self.lies_on(self.carriers[v.index()], f);
         let is_in = |[f, g]: [u32; 2]| {
-            let sides = v.map(|v| [on(f, &v), on(g, &v)]);
+            let sides = corners.map(|(own, _)| [plc.lies_on(own, f), plc.lies_on(own, g)]);
             sides.iter().all(|side| *side != [false, false])
                 && sides.contains(&[true, false])
                 && sides.contains(&[false, true])
                 && sides.contains(&[true, true])
         };
-        v.iter().find_map(|&w| {
-            let segments = match &self.carriers[w.index()] {
+        corners.iter().find_map(|(own, _)| {
+            let segments = match own {
                 Carrier::Segment(s, _) => std::slice::from_ref(s),
-                Carrier::Corner(c) => self.plc.segments_at[*c as usize].as_slice(),
+                Carrier::Corner(c) => plc.segments_at[*c as usize].as_slice(),
                 Carrier::Facet(_) | Carrier::Free => return None,
             };
-            let found = segments.iter().find(|s| self.angles.wedges(**s, limit).any(is_in));
-            found.map(|s| Reason::SmallDihedral { segment: self.plc.segments[*s as usize].ends })
+            let found = segments.iter().find(|s| self.wedges(**s, limit).any(is_in));
+            found.map(|s| Reason::SmallDihedral { segment: plc.segments[*s as usize].ends })
         })
     }
 }

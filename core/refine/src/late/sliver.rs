@@ -39,7 +39,8 @@ impl Refinement<'_> {
             return Vec::new();
         }
         thin.retain(|&(t, v)| state.is_live(t, v));
-        let is_open = |t: TetId, v| state.is_sliver(t, bounds) && state.forced(v, bounds).is_none();
+        let is_open =
+            |t: TetId, v| state.is_sliver(t, bounds) && state.asks_for_shape(v, bounds).is_none();
         let mut slivers: Vec<Thin> = thin.iter().copied().filter(|&(t, v)| is_open(t, v)).collect();
         slivers.sort_by_cached_key(|&(t, v)| state.place_of(Item::Tet(t, v)));
         slivers.dedup();
@@ -82,19 +83,13 @@ impl State {
         left.sort_by_cached_key(|&(t, _)| self.mesh.tet(t).map(in_order));
         left.dedup();
         let named = |v| Some(self.reason_near(v)).filter(|reason| *reason != Reason::Rounding);
-        let near = |v| self.forced(v, bounds).or_else(|| named(v));
+        let near = |v| self.asks_for_shape(v, bounds).or_else(|| named(v));
         let angle = |v: [VertexId; 4]| {
             let own = TetQuality::of(sorted(v.map(|v| self.at(v))).each_ref());
             own.dihedral.into_iter().fold(f64::INFINITY, f64::min)
         };
         let sliver = |(tet, v)| Sliver { tet, angle: angle(v), near: near(v) };
         left.into_iter().map(sliver).collect()
-    }
-
-    /// The corner or segment of the domain that asks for a small angle here, if there is one.
-    fn forced(&self, v: [VertexId; 4], bounds: &Bounds<'_>) -> Option<Reason> {
-        let bound = bounds.ratio.filter(|_| !self.angles.is_empty())?.value();
-        self.tip(v, bound).or_else(|| self.collar(v, bound))
     }
 
     /// Is a tetrahedron in a region, and has it a dihedral angle below the bound?

@@ -4,6 +4,7 @@ use super::key::sorted;
 use super::limit::Limit;
 use super::state::State;
 use crate::RefineError;
+use crate::complex::angles::Angles;
 use crate::complex::dihedral::DihedralBound;
 use crate::complex::measure::{RatioBound, Shape, VolumeBound};
 use crate::thin::Thin;
@@ -107,9 +108,13 @@ impl Bounds<'_> {
 
     /// Is tetrahedron `t` of the domain over a bound on its size?
     pub(crate) fn is_large(&self, state: &State, t: TetId) -> bool {
-        let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
-        let corners = [&a, &b, &c, &d];
-        let own = self.volumes.get(state.marks.region(t) as usize).copied().flatten();
+        let corners = state.vertices(t).map(|v| state.at(v));
+        self.is_large_in(corners.each_ref(), state.marks.region(t))
+    }
+
+    /// Is a tetrahedron with these corners in a region over a bound on its size?
+    pub(crate) fn is_large_in(&self, corners: [&Point; 4], region: u32) -> bool {
+        let own = self.volumes.get(region as usize).copied().flatten();
         let bounds = own.into_iter().chain(self.field_bound(corners));
         bounds.into_iter().any(|bound| bound.exceeded(corners))
     }
@@ -216,18 +221,24 @@ impl Bounds<'_> {
     /// it is too large, that of a cube of the volume wanted; this one alone counts along facets.
     pub(crate) fn limit(&self, state: &State, t: TetId, shape: &Shape) -> Limit {
         let corners = state.vertices(t).map(|v| state.at(v));
-        let limit = self.limit_in(corners.each_ref(), state.marks.region(t), shape);
-        Limit { along: limit.along.filter(|_| state.angles.has_small()), ..limit }
+        let at = (corners.each_ref(), state.marks.region(t));
+        self.limit_in(at, shape, &state.angles)
     }
 
-    /// The limit for a tetrahedron with these corners in a region, at a small angle.
-    pub(crate) fn limit_in(&self, corners: [&Point; 4], region: u32, shape: &Shape) -> Limit {
+    /// The edges that splitting a tetrahedron with these corners in a region may go down to.
+    pub(crate) fn limit_in(
+        &self,
+        (corners, region): ([&Point; 4], u32),
+        shape: &Shape,
+        angles: &Angles,
+    ) -> Limit {
         let own = self.volumes.get(region as usize).copied().flatten();
         let bounds = [own, self.field_bound(corners)];
         let exceeded = bounds.into_iter().flatten().filter(|bound| bound.excess(shape) >= 1.0);
         let along = exceeded.map(|bound| cube_root(bound.volume())).reduce(f64::min);
         let edge = shape.edge2.sqrt();
-        Limit { least: along.map_or(edge, |size| edge.min(size)), along }
+        let least = along.map_or(edge, |size| edge.min(size));
+        Limit { least, along: along.filter(|_| angles.has_small()) }
     }
 
     /// The bound of the sizing field at the centroid: the volume of the regular tetrahedron with

@@ -1,5 +1,6 @@
 //! The work to do: segments, subfaces and tetrahedra that have to be split.
 
+use crate::complex::carrier::Carrier;
 use ltbw_core::topology::{TetId, VertexId};
 use std::collections::VecDeque;
 
@@ -12,6 +13,16 @@ pub enum Item {
     Subface([VertexId; 3]),
     /// A tetrahedron: its slot, and the vertices that it had there.
     Tet(TetId, [VertexId; 4]),
+}
+
+/// Has a boundary item an input vertex for a corner?
+pub(crate) fn has_corner(item: Item, corner: u32, carrier: impl Fn(VertexId) -> Carrier) -> bool {
+    let is = |&v: &VertexId| carrier(v) == Carrier::Corner(corner);
+    match item {
+        Item::Segment(s) => s.iter().any(is),
+        Item::Subface(s) => s.iter().any(is),
+        Item::Tet(..) => false,
+    }
 }
 
 /// Buckets of tetrahedra by weight: powers of two.

@@ -4,6 +4,7 @@
 use super::item::Item;
 use super::state::State;
 use crate::complex::measure::{Shape, circumcircle};
+use crate::outcome::Spot;
 use ltbw_core::topology::VertexId;
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
@@ -64,6 +65,19 @@ pub(crate) fn key_of_tet(corners: [Point; 4]) -> u64 {
     let corners = sorted(corners);
     let [a, b, c, d] = &corners;
     key(Shape::of([a, b, c, d]).radius2(), &corners)
+}
+
+/// The middle of a boundary item, in the coordinates of the mesh.
+pub(crate) fn spot(item: Item, at: impl Fn(VertexId) -> Point, fine_step: f64) -> Spot {
+    let corners: &[VertexId] = match &item {
+        Item::Segment(s) => s,
+        Item::Subface(s) => s,
+        Item::Tet(_, v) => v,
+    };
+    let mut points: Vec<Point> = corners.iter().map(|&v| at(v)).collect();
+    points.sort_unstable_by_key(order_key);
+    let step = fine_step / points.len() as f64;
+    Spot::new([0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() * step))
 }
 
 /// The place of an item in an order by coordinates, which `at` tells: segments first.

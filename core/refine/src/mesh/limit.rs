@@ -1,17 +1,20 @@
 //! Limits of the edges that splitting an item may make near small angles.
 
 /// The shortest edges that splitting an item may make near small angles.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Limit {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Limit {
     /// The shortest edge: no point that makes none shorter is refused.
-    pub(crate) least: f64,
+    pub least: f64,
     /// Where a tetrahedron is too large, the shortest edge of another kind of point: one whose
     /// edges across a small angle are as short as the angle makes them, and all others longer.
-    pub(crate) along: Option<f64>,
+    pub along: Option<f64>,
 }
 
 impl Limit {
     /// One limit for all edges.
+    #[cfg(test)]
     pub(crate) fn all(least: f64) -> Self {
         Self { least, along: None }
     }
@@ -22,7 +25,8 @@ impl Limit {
     }
 
     /// The limit that allows what either of two does.
-    pub(crate) fn or(self, other: Self) -> Self {
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
         let along = [self.along, other.along].into_iter().flatten().reduce(f64::min);
         Self { least: self.least.min(other.least), along }
     }

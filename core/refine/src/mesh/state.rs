@@ -5,7 +5,7 @@
 //! the new point, so an item that the mesh has lost never comes back: it has to be split.
 
 use super::encroachment::EncroachmentIndex;
-use super::item::{Item, Queues};
+use super::item::{Item, Queues, has_corner};
 use super::journal::Journal;
 use super::marks::Marks;
 use super::survey::Survey;
@@ -15,7 +15,6 @@ use crate::complex::carrier::Carrier;
 use crate::complex::measure::circumcircle;
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
-use crate::outcome::Reason;
 use crate::table::{Map, Set, sides};
 use ltbw_core::cavity::Cavity;
 use ltbw_core::mesh::{At, Mesh};
@@ -215,12 +214,7 @@ impl State {
 
     /// Is an input corner a vertex of a boundary item?
     pub(crate) fn has_corner(&self, item: Item, corner: u32) -> bool {
-        let is = |v: &VertexId| self.carriers.get(v.index()) == Some(&Carrier::Corner(corner));
-        match item {
-            Item::Segment(s) => s.iter().any(is),
-            Item::Subface(s) => s.iter().any(is),
-            Item::Tet(..) => false,
-        }
+        has_corner(item, corner, |v| self.carriers[v.index()])
     }
 
     /// The ball of a boundary item, rounded.
@@ -312,23 +306,6 @@ impl State {
                     list.retain(|s| *s != key);
                 }
             }
-        }
-    }
-
-    /// Why a point on `carrier` may not ask for a boundary item to be split, if it may not: they
-    /// are at a small angle with each other, or too near.
-    pub(crate) fn relation(&self, carrier: Carrier, item: Item) -> Option<Reason> {
-        let has = |corner: u32| self.has_corner(item, corner);
-        let of_facet = |f: u32| self.angles.related(&self.plc, carrier, f, &has);
-        match item {
-            Item::Segment(s) => {
-                let of = *self.segments.get(&s)?;
-                let facets = &self.plc.segments[of as usize].facets;
-                let own = self.angles.related_segment(carrier, of, &has);
-                own.or_else(|| facets.iter().find_map(|&f| of_facet(f)))
-            }
-            Item::Subface(s) => of_facet(*self.subfaces.get(&s)?),
-            Item::Tet(..) => None,
         }
     }
 

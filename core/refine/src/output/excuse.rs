@@ -6,27 +6,19 @@ use crate::RefineError;
 use crate::complex::measure::Shape;
 use crate::mesh::bounds::Bounds;
 use crate::mesh::item::Item;
-use crate::mesh::key::{order_key, sorted};
+use crate::mesh::key::{sorted, spot};
 use crate::mesh::number::in_order;
 use crate::mesh::state::State;
 use crate::outcome::{Excuse, Reason, Spot};
 use crate::rules::record::Record;
 use crate::table::{Map, Set};
-use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
 
 impl State {
     /// The middle of a boundary item, in the coordinates of the mesh.
     fn spot(&self, item: Item) -> Spot {
-        let corners: &[VertexId] = match &item {
-            Item::Segment(s) => s,
-            Item::Subface(s) => s,
-            Item::Tet(_, v) => v,
-        };
-        let mut points: Vec<Point> = corners.iter().map(|&v| self.at(v)).collect();
-        points.sort_unstable_by_key(order_key);
-        let step = self.fine_step / points.len() as f64;
-        Spot::new([0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() * step))
+        spot(item, |v| self.at(v), self.fine_step)
     }
 
     /// The reason that a boundary item and others displace each other.

@@ -352,16 +352,6 @@ impl State {
         if self.by_place {
             v.sort_by_key(|&v| order_key(&self.at(v)));
         }
-        let facets = |f: &u32| self.angles.reason_of_facet(*f);
-        let reasons = v.into_iter().find_map(|v| match self.carriers[v.index()] {
-            Carrier::Segment(s, _) => {
-                let own = self.angles.reason_of_segment(s);
-                own.or_else(|| self.plc.segments[s as usize].facets.iter().find_map(facets))
-            }
-            Carrier::Corner(c) => self.plc.facets_at[c as usize].iter().find_map(facets),
-            Carrier::Facet(f) => facets(&f),
-            Carrier::Free => None,
-        });
-        reasons.unwrap_or(Reason::Rounding)
+        self.angles.reason_near(&self.plc, v.map(|v| self.carriers[v.index()]))
     }
 }

@@ -5,7 +5,7 @@ use crate::mesh::limit::Limit;
 use crate::mesh::state::State;
 use crate::outcome::Reason;
 use crate::rules::record::{Record, Refusal};
-use crate::table::Map;
+use crate::table::{Map, Set};
 use ltbw_core::topology::TetId;
 
 /// A boundary item that is to be split.
@@ -84,24 +84,32 @@ impl Demands {
         news
     }
 
-    /// Enters refusals; `tell` is told the tetrahedra among them.
+    /// Enters refusals; `tell` is told the tetrahedra among them. What waited for an item that is
+    /// refused may be tried, also if that is asked for once more.
     pub(super) fn take_refusals(&mut self, record: &mut Record, mut tell: impl FnMut(TetId)) {
+        let mut refused: Set<Item> = Set::default();
         for (item, reason) in self.refusals.drain(..) {
-            let limit = record.limits.remove(&item);
-            // The floor is no lower for a proposal that allows shorter edges.
-            let limit = limit.filter(|_| reason != Reason::Floor);
-            record.refused.insert(item, Refusal { reason, limit });
+            record.refused.insert(item, Refusal::under(reason, record.limits.remove(&item)));
             self.pending.remove(&item);
-            if let Item::Tet(t, _) = item {
+            match item {
                 // No look so far has found it so.
-                tell(t);
+                Item::Tet(t, _) => tell(t),
+                _ => {
+                    refused.insert(item);
+                }
             }
+        }
+        if !refused.is_empty() {
+            let waited = |own: &&mut Pending| own.first.is_some_and(|item| refused.contains(&item));
+            self.pending.values_mut().filter(waited).for_each(|own| own.first = None);
         }
     }
 
     /// An item is split, or gone.
     pub(super) fn remove(&mut self, item: &Item) {
         self.pending.remove(item);
+        let waited = |own: &&mut Pending| own.first == Some(*item);
+        self.pending.values_mut().filter(waited).for_each(|own| own.first = None);
     }
 
     /// The foremost item of each circle of items that wait for each other, in the order of their

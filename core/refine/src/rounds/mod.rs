@@ -203,8 +203,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         own.record = Default::default();
         let (threads, expected) = (stats.round_threads.max(1), own.state.expected);
         let in_waves = own.state.plc.has_patches();
-        let angles = &own.state.angles;
-        let in_groups = in_waves || angles.relates() || !angles.is_empty();
+        let in_groups = in_waves || own.state.angles.matter();
         let names = cfg!(debug_assertions).then(|| Names::of(&own.state));
         let (mut keys, mut reserved) = (Keys::default(), Reserved::default());
         keys.expect_tets(expected);

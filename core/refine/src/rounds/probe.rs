@@ -9,6 +9,7 @@ use crate::mesh::limit::Limit;
 use crate::mesh::state::Place;
 use crate::outcome::Reason;
 use crate::rules::aim::{ATTEMPTS, Aim};
+use crate::rules::record::first_of;
 use crate::rules::walk::Way;
 use ltbw_core::topology::TetId;
 
@@ -104,14 +105,8 @@ impl Rounds<'_, '_> {
         &self,
         items: &[Item],
         limit: Option<Limit>,
-        mut reason: Reason,
+        reason: Reason,
     ) -> Result<Item, Reason> {
-        for item in items {
-            match self.own.record.bars(item, limit) {
-                None => return Ok(*item),
-                Some(why) => reason = reason.after(why),
-            }
-        }
-        Err(reason)
+        first_of(items, |item| self.own.record.bars(item, limit), reason)
     }
 }

@@ -5,6 +5,7 @@ use crate::RefineError;
 use crate::mesh::item::Item;
 use crate::mesh::limit::Limit;
 use crate::outcome::RefineStats;
+use crate::rules::record::Refusal;
 use crate::thin::Thin;
 use ltbw_core::topology::TetId;
 
@@ -22,20 +23,25 @@ pub(crate) struct Waiting {
 #[derive(Debug)]
 pub(crate) struct Resumed {
     pub(crate) waiting: Vec<Waiting>,
+    pub(crate) refused: Vec<(Item, Refusal)>,
     /// The candidates among the tetrahedra when last counted.
     pub(crate) candidates: usize,
     /// If none is over its bounds, those that may have tiny dihedral angles.
     pub(crate) thin: Option<Vec<TetId>>,
+    /// The transactions of joint steps so far.
+    pub(crate) spent: usize,
 }
 
-/// The items that are left to be split, and figures; or all, if something could not be split.
-type Parted<R> = Result<(Vec<Waiting>, RefineStats), R>;
+/// The items that are left to be split, and figures.
+type Parted = (Vec<Waiting>, RefineStats);
 
 impl Rounds<'_, '_> {
     /// Takes over from others.
     pub(crate) fn resume(&mut self, resumed: Resumed) {
         self.front.counted = resumed.candidates;
         self.late.thin = resumed.thin;
+        self.own.record.joint_transactions = resumed.spent;
+        self.own.record.refused.extend(resumed.refused);
         for Waiting { item, first, near, limit } in resumed.waiting {
             self.demands.pending.insert(item, Pending { first, near });
             self.own.record.limits.extend(limit.map(|limit| (item, limit)));
@@ -73,17 +79,14 @@ impl Rounds<'_, '_> {
     ///
     /// # Errors
     /// A broken invariant.
-    pub(crate) fn part_circles(mut self) -> Result<Parted<Self>, RefineError> {
+    pub(crate) fn part_circles(mut self) -> Result<Parted, RefineError> {
         self.look_at_all();
         self.split_circles()?;
-        if !self.own.record.refused.is_empty() {
-            return Ok(Err(self));
-        }
         let limits = &self.own.record.limits;
         let left = self.demands.pending.iter().map(|(&item, own)| {
             let first = own.first.filter(|first| self.demands.pending.contains_key(first));
             Waiting { item, first, near: own.near, limit: limits.get(&item).copied() }
         });
-        Ok(Ok((left.collect(), self.stats)))
+        Ok((left.collect(), self.stats))
     }
 }

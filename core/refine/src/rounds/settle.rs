@@ -90,12 +90,15 @@ impl Rounds<'_, '_> {
         for &t in state.mesh.topology().free_slots() {
             self.keys.forget(t);
         }
-        // Items that are gone are asked for no more.
-        self.demands.pending.retain(|item, _| match item {
+        // Items that are gone are asked for no more, and their refusals forgotten.
+        let is_there = |item: &Item| match item {
             Item::Segment(s) => state.segments.contains_key(s),
             Item::Subface(s) => state.subfaces.contains_key(s),
             Item::Tet(..) => false,
-        });
+        };
+        self.demands.pending.retain(|item, _| is_there(item));
+        let is_tet = |item: &Item| matches!(item, Item::Tet(..));
+        self.own.record.refused.retain(|item, _| is_tet(item) || is_there(item));
         self.keys.count_looks_anew();
     }
 

@@ -5,6 +5,7 @@ use super::complex::Complex;
 use crate::complex::carrier::Carrier;
 use crate::complex::measure::Shape;
 use crate::mesh::key::sorted;
+use crate::mesh::limit::Limit;
 use crate::mesh::state::FACE;
 use crate::rules::aim::Aim;
 use ltbw_exact::Point;
@@ -33,12 +34,12 @@ impl Complex<'_> {
         (shape.det.abs() / 6.0 / (USUAL_VOLUME * bound)).max(1.0)
     }
 
-    /// The shortest edge that splitting a tetrahedron of a region may lead to.
-    pub fn limit_of_tet(&self, corners: [Point; 4], region: u32) -> f64 {
+    /// The edges that splitting a tetrahedron of a region may lead to.
+    pub fn limit_of_tet(&self, corners: [Point; 4], region: u32) -> Limit {
         let corners = sorted(corners);
         let [a, b, c, d] = &corners;
         let all = [a, b, c, d];
-        self.bounds().limit_in(all, region, &Shape::of(all)).least
+        self.bounds().limit_in((all, region), &Shape::of(all), self.angles())
     }
 
     /// The point that splits a boundary item, at the given attempt.

@@ -4,11 +4,13 @@
 use super::choice::NOWHERE;
 use super::complex::Complex;
 use super::surveyed::Surveyed;
+use crate::complex::angles::Angles;
 use crate::complex::carrier::Carrier;
 use crate::complex::plc::Plc;
-use crate::mesh::item::Item;
+use crate::mesh::item::{Item, has_corner};
 use crate::mesh::marks::{ENDS, Word, edge_bit, face_bit};
 use crate::mesh::state::{FACE, State};
+use crate::outcome::Reason;
 use crate::table::triangle;
 use ltbw_core::search::Search;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
@@ -76,9 +78,27 @@ pub(crate) trait Bounded {
     /// No walk around an edge in the cavity is longer.
     fn most_steps(&self) -> usize;
 
+    /// The small angles of the domain.
+    fn angles(&self) -> &Angles;
+
     /// Is an item of a segment or facet at a small angle with a point on `carrier`, so that the
     /// point may not ask for it?
-    fn is_related(&self, carrier: Carrier, item: Item, of: u32) -> bool;
+    fn is_related(&self, carrier: Carrier, item: Item, of: u32) -> bool {
+        let has = |corner: u32| has_corner(item, corner, |v| self.carrier(v));
+        match item {
+            Item::Segment(_) => {
+                carrier != Carrier::Free
+                    && self.angles().related_segment(carrier, of, &has).is_some()
+            }
+            _ => self.angles().related(self.plc(), carrier, of, &has).is_some(),
+        }
+    }
+
+    /// The vertices of the whole mesh.
+    fn num_vertices(&self) -> usize;
+
+    /// The reason why a boundary item of the closure cannot be split that no point serves.
+    fn unserved(&self, item: Item) -> Reason;
 
     /// Items that wait to be split, where these are in a table: all whose balls hold a point, and
     /// maybe others.
@@ -173,16 +193,16 @@ impl Bounded for InMesh<'_> {
         self.state.mesh.topology().slots()
     }
 
-    fn is_related(&self, carrier: Carrier, item: Item, of: u32) -> bool {
-        let Self { state, .. } = self;
-        let has = |corner: u32| state.has_corner(item, corner);
-        match item {
-            Item::Segment(_) => {
-                carrier != Carrier::Free
-                    && state.angles.related_segment(carrier, of, &has).is_some()
-            }
-            _ => state.angles.related(&state.plc, carrier, of, &has).is_some(),
-        }
+    fn angles(&self) -> &Angles {
+        &self.state.angles
+    }
+
+    fn num_vertices(&self) -> usize {
+        self.state.mesh.num_vertices()
+    }
+
+    fn unserved(&self, item: Item) -> Reason {
+        self.state.unserved(item)
     }
 
     fn pending(&self, p: &Point) -> impl Iterator<Item = Item> {
@@ -220,6 +240,8 @@ const BETWEEN: [Word; 16] = {
 pub(crate) struct ByValues<'c, R> {
     pub(crate) complex: &'c Complex<'c>,
     pub(crate) closure: &'c R,
+    /// The vertices of the whole mesh.
+    pub(crate) num_vertices: usize,
 }
 
 impl<R> Clone for ByValues<'_, R> {
@@ -325,8 +347,16 @@ impl<R: Surveyed> Bounded for ByValues<'_, R> {
         self.closure.cavity().count()
     }
 
-    fn is_related(&self, _: Carrier, _: Item, _: u32) -> bool {
-        false
+    fn angles(&self) -> &Angles {
+        self.complex.angles()
+    }
+
+    fn num_vertices(&self) -> usize {
+        self.num_vertices
+    }
+
+    fn unserved(&self, item: Item) -> Reason {
+        self.complex.unserved(item, |v| self.at(v))
     }
 
     fn pending(&self, _: &Point) -> impl Iterator<Item = Item> {

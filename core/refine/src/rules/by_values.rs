@@ -4,6 +4,7 @@
 use super::bounded::{Bounded, ByValues};
 use super::choice::{BoundaryItem, Corner, Filled, Relabelled, Ruling};
 use super::complex::Complex;
+use super::past::Past;
 use super::record::Record;
 use super::surveyed::Surveyed;
 use super::verdict::{Filling, Judge, Verdict};
@@ -29,7 +30,7 @@ pub struct Survey<'c, R: Surveyed> {
 impl<'c, R: Surveyed> Survey<'c, R> {
     /// The survey of the closure of `p`, which lives on `carrier`.
     pub fn of(complex: &'c Complex<'c>, closure: &'c R, p: &Point, carrier: Carrier) -> Self {
-        let closure = ByValues { complex, closure };
+        let closure = ByValues { complex, closure, num_vertices: 0 };
         let mut found = survey::Survey::default();
         found.look(&closure, p, carrier);
         let place = Place { p: *p, carrier, from: TetId::default() };
@@ -77,9 +78,30 @@ impl<'c, R: Surveyed> Survey<'c, R> {
 
     /// The verdict on a point of the boundary that is to split an item; one of a facet is on it if
     /// it `is_on`.
-    pub fn rule_on_item(&self, item: &BoundaryItem, is_on: bool) -> Ruling {
+    pub fn rule_on_item(&self, item: &BoundaryItem, is_on: bool, past: &Past<'_>) -> Ruling {
         let Some(own) = self.here(item) else { return Ruling::Useless };
-        self.ruling(self.judge().on_boundary(own, &self.place, is_on))
+        let closure = ByValues { num_vertices: past.num_vertices, ..self.closure };
+        let mut record = Record { joint_transactions: past.spent, ..Record::default() };
+        record.limits.extend(past.limit.map(|limit| (own, limit)));
+        if !past.refused.is_empty() {
+            let refused = |item: Item| {
+                let place = self.named(item)?.place();
+                past.refused.get(&place).map(|refusal| (item, *refusal))
+            };
+            let edges = self.found.edges.iter().map(|edge| Item::Segment(edge.key));
+            let faces = self.found.faces.iter().map(|face| Item::Subface(face.key));
+            record.refused.extend(edges.chain(faces).filter_map(refused));
+        }
+        let judge = Judge::new(closure, &self.found, &record);
+        self.ruling(judge.on_boundary(own, &self.place, is_on))
+    }
+
+    /// Would the point take a subface out of the mesh that may not be split? (At patches others may
+    /// become subfaces in its place; that is not looked at.)
+    pub fn loses_refused(&self, past: &Past<'_>) -> bool {
+        let mut lost = self.found.inner().map(|face| Item::Subface(face.key));
+        !past.refused.is_empty()
+            && lost.any(|item| self.named(item).is_some_and(|own| past.bars(own.place()).is_some()))
     }
 
     /// The changes that come with the point by coordinates.
@@ -105,7 +127,7 @@ impl<'c, R: Surveyed> Survey<'c, R> {
             Verdict::Defer(first) => {
                 Ruling::Defer(first.into_iter().filter_map(|item| self.named(item)).collect())
             }
-            Verdict::Refuse(_) => Ruling::Refuse,
+            Verdict::Refuse(reason) => Ruling::Refuse(reason),
             Verdict::Useless => Ruling::Useless,
         }
     }

@@ -7,6 +7,7 @@
 use crate::complex::carrier::Carrier;
 use crate::complex::measure::circumcircle;
 use crate::mesh::key::{OrderKey, SIZE, key, key_of_tet, order_key, sorted};
+use crate::outcome::Reason;
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
 use std::cmp::Reverse;
@@ -75,6 +76,19 @@ impl ItemPlace {
         let count = corners.len().min(3);
         place[..count].sort_unstable();
         Self(count - 2, place)
+    }
+}
+
+/// The place of a tetrahedron in an order by coordinates.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TetPlace([OrderKey; 4]);
+
+impl TetPlace {
+    /// The place of the tetrahedron with these corners.
+    pub fn of(corners: [Point; 4]) -> Self {
+        Self(sorted(corners).map(|p| order_key(&p)))
     }
 }
 
@@ -229,8 +243,8 @@ pub enum Ruling {
     Fill(Filled),
     /// One of these items comes first: in rounds the first of them.
     Defer(Vec<BoundaryItem>),
-    /// It cannot be.
-    Refuse,
+    /// It cannot be, for this reason.
+    Refuse(Reason),
     /// It does not do what it was made for; another one may.
     Useless,
 }

@@ -2,15 +2,19 @@
 //! for engines whose mesh is on many processors.
 
 use crate::RefineError;
+use crate::complex::angles::Angles;
 use crate::complex::carrier::{Carrier, free_point, within_box};
 use crate::complex::measure::Shape;
 use crate::complex::plc::Plc;
 use crate::mesh::bounds::Bounds;
-use crate::mesh::key::sorted;
+use crate::mesh::item::Item;
+use crate::mesh::key::{order_key, sorted, spot};
 use crate::mesh::names::Names;
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::State;
+use crate::outcome::Reason;
 use crate::rules::aim::{Aim, Aims};
+use crate::rules::choice::{BoundaryItem, Corner};
 use crate::rules::group::Group;
 use ltbw_core::Random;
 use ltbw_core::topology::{TetId, VertexId};
@@ -54,6 +58,7 @@ pub struct Start {
 #[doc(hidden)]
 pub struct Complex<'a> {
     plc: Plc,
+    angles: Angles,
     bounds: Bounds<'a>,
     floor: f64,
     names: Names,
@@ -131,8 +136,59 @@ impl Start {
 
 impl<'a> Complex<'a> {
     pub(crate) fn of(state: &State, bounds: Bounds<'a>, floor: f64) -> Self {
-        let has_patches = state.plc.has_patches();
-        Self { plc: state.plc.clone(), bounds, floor, names: Names::of(state), has_patches }
+        let (plc, angles) = (state.plc.clone(), state.angles.clone());
+        let has_patches = plc.has_patches();
+        Self { plc, angles, bounds, floor, names: Names::of(state), has_patches }
+    }
+
+    pub(crate) fn angles(&self) -> &Angles {
+        &self.angles
+    }
+
+    /// Are there small angles, or features near each other? Then the corners of all of a closure
+    /// count.
+    pub fn has_angles(&self) -> bool {
+        self.angles.matter()
+    }
+
+    /// Is splitting a tetrahedron of a region no help, which is over its bounds?
+    pub fn is_beyond_help(&self, corners: [Corner; 4], region: u32) -> bool {
+        if self.angles.is_empty() {
+            return false;
+        }
+        let all = corners.map(|own| (own.carrier, own.point));
+        let of = |ends: [usize; 2]| self.segment(ends.map(|k| all[k].0));
+        let points = corners.each_ref().map(|own| &own.point);
+        let is_sharp = self.angles.beyond_help(&self.plc, (&all, of), &self.bounds).is_some();
+        is_sharp && !self.bounds.is_large_in(points, region)
+    }
+
+    /// The small angle that a tetrahedron is at, or that it is at none.
+    pub fn reason_near(&self, mut corners: [Corner; 4]) -> Reason {
+        corners.sort_by_key(|own| order_key(&own.point));
+        self.angles.reason_near(&self.plc, corners.map(|own| own.carrier))
+    }
+
+    /// The reason why a boundary item cannot be split for which no aim is left.
+    pub fn reason_without_aim(&self, item: &BoundaryItem) -> Reason {
+        let facet = || self.angles.reason_of_facet(item.of());
+        let named = if item.is_segment() { None } else { facet() };
+        named.unwrap_or_else(|| self.unserved_at(item))
+    }
+
+    /// The reason that no point splits a boundary item.
+    fn unserved_at(&self, item: &BoundaryItem) -> Reason {
+        let number = |k: u32| VertexId::new(k + 1);
+        let all = match item.is_segment() {
+            true => Item::Segment([0, 1].map(number)),
+            false => Item::Subface([0, 1, 2].map(number)),
+        };
+        self.unserved(all, |v| item.corners()[v.index() - 1].point)
+    }
+
+    /// The reason that no point splits a boundary item.
+    pub(crate) fn unserved(&self, item: Item, at: impl Fn(VertexId) -> Point) -> Reason {
+        Reason::Unserved { at: spot(item, at, self.bounds.fine_step) }
     }
 
     /// The segment that an edge of the mesh between two vertices is on, if it is a subsegment.

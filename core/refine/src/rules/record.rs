@@ -14,14 +14,23 @@ use ltbw_core::topology::{TetId, VertexId};
 pub(crate) const TIP_SHARE: f64 = 0.5;
 
 /// Why an item was refused.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Refusal {
-    pub(crate) reason: Reason,
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Refusal {
+    /// The reason.
+    pub reason: Reason,
     /// The edges that were allowed; a proposal that allows shorter ones may try again.
-    pub(crate) limit: Option<Limit>,
+    pub limit: Option<Limit>,
 }
 
 impl Refusal {
+    /// The refusal of an item that was proposed under a limit.
+    pub fn under(reason: Reason, limit: Option<Limit>) -> Self {
+        // The floor is no lower for a proposal that allows shorter edges.
+        Self { reason, limit: limit.filter(|_| reason != Reason::Floor) }
+    }
+
     /// A refusal for good.
     pub(crate) fn final_for(reason: Reason) -> Self {
         Self { reason, limit: None }
@@ -33,9 +42,26 @@ impl Refusal {
     }
 
     /// The limit of a proposal that tries again: all that was allowed before is still.
-    pub(crate) fn again(&self, limit: Limit) -> Limit {
+    #[must_use]
+    pub fn again(&self, limit: Limit) -> Limit {
         self.limit.map_or(limit, |before| limit.or(before))
     }
+}
+
+/// The first of some items that is not barred; else the reason why none may be split, after one
+/// that is known.
+pub(crate) fn first_of<I: Copy>(
+    items: &[I],
+    bars: impl Fn(&I) -> Option<Reason>,
+    mut reason: Reason,
+) -> Result<I, Reason> {
+    for item in items {
+        match bars(item) {
+            None => return Ok(*item),
+            Some(why) => reason = reason.after(why),
+        }
+    }
+    Err(reason)
 }
 
 /// The results of earlier proposals.

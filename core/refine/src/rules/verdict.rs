@@ -7,27 +7,17 @@ use crate::complex::carrier::Carrier;
 use crate::mesh::facet::Change;
 use crate::mesh::item::Item;
 use crate::mesh::key::{place_of, sort_largest_first};
-use crate::mesh::limit::Limit;
 use crate::mesh::marks::face_bit;
 use crate::mesh::state::{FACE, Place, State};
 use crate::mesh::survey::Survey;
 use crate::outcome::Reason;
 use crate::table::{Set, sides, triangle};
-use ltbw_core::topology::{INFINITE, TetId, VertexId};
-use ltbw_domain::vector::distance2;
+use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::Point;
 
 /// Joint steps at small angles are begun while there were no more transactions in joint steps than
 /// this number for each vertex; a part takes up to one.
 const JOINT: usize = 4;
-
-/// The part of its limit down to which the side of a tip may be made: more than one half, so that
-/// a tip with a side of the limit's length is not halved for what is beside it.
-const TIP_SIDE: f64 = 0.75;
-
-/// The part of its limit that an edge has to have where no joint step halves limits: edges between
-/// shells of one size differ in their last bits only, and these decide nothing. (Rounds only.)
-const SLACK: f64 = 0.99;
 
 /// The changes of the boundary that come with a point.
 #[derive(Debug, Default)]
@@ -89,17 +79,13 @@ impl<'s, B: Bounded> Judge<'s, B> {
     /// On a point that is to split a subsegment of segment `s`.
     pub(crate) fn on_segment(&self, ends: [VertexId; 2], s: u32, place: &Place) -> Verdict {
         let item = Item::Segment(ends);
-        let angles = self.closure.state().map(|state| (state, &state.angles));
-        let reason = angles.and_then(|(state, angles)| {
-            angles.reason_on_segment(s, &|corner| state.has_corner(item, corner))
-        });
+        let angles = self.closure.angles();
+        let reason = angles.reason_on_segment(s, &|corner| self.has_corner(item, corner));
         if let Some(reason) = reason.filter(|_| self.is_too_near(item, place)) {
             return Verdict::Refuse(reason);
         }
-        let refuse = || {
-            let reason = angles.and_then(|(_, angles)| angles.reason_of_segment(s));
-            Verdict::Refuse(reason.unwrap_or_else(|| self.unserved(item)))
-        };
+        let refuse =
+            || Verdict::Refuse(angles.reason_of_segment(s).unwrap_or_else(|| self.unserved(item)));
         let Some(changes) = self.planned(place, item) else { return refuse() };
         let Some(changes) = self.with_patches(place, Some(ends), changes) else { return refuse() };
         let lost = self.losses(Some(ends), &changes);
@@ -115,9 +101,8 @@ impl<'s, B: Bounded> Judge<'s, B> {
         is_on: bool,
     ) -> Verdict {
         let item = Item::Subface(corners);
-        let reason = self.closure.state().and_then(|state| {
-            state.angles.reason_on_facet(f, &|corner| state.has_corner(item, corner))
-        });
+        let has = |corner: u32| self.has_corner(item, corner);
+        let reason = self.closure.angles().reason_on_facet(f, &has);
         if let Some(reason) = reason.filter(|_| self.is_too_near(item, place)) {
             return Verdict::Refuse(reason);
         }
@@ -246,43 +231,7 @@ impl<'s, B: Bounded> Judge<'s, B> {
 
     /// The reason why an item cannot be split that no point serves.
     fn unserved(&self, item: Item) -> Reason {
-        self.closure.state().map_or(Reason::Rounding, |state| state.unserved(item))
-    }
-
-    /// Would the point make an edge shorter than what `item` is limited to? The vertex nearest to a
-    /// new point is always on the rim of its cavity, as are all of the cavity.
-    fn is_too_near(&self, item: Item, place: &Place) -> bool {
-        let p = &place.p;
-        let (Some(state), Some(limit)) = (self.closure.state(), self.limit_of(item)) else {
-            return false;
-        };
-        let is_slack = state.by_place && self.record.limits.contains_key(&item);
-        let slack = if is_slack { SLACK } else { 1.0 };
-        let is_near =
-            |v: VertexId, least: f64| v != INFINITE && distance2(&state.at(v), p) < least * least;
-        let is_tip = || match item {
-            Item::Segment(ends) => {
-                state.tip_side(ends, p).is_some_and(|side| side < TIP_SIDE * limit.least)
-            }
-            _ => false,
-        };
-        if !is_tip() && !self.any_around(|v| is_near(v, slack * limit.least)) {
-            return false;
-        }
-        let Some(along) = limit.along else { return true };
-        let facets = state.plc.facets_of(&place.carrier);
-        self.any_around(|v| is_near(v, slack * along) && !state.is_across(v, item, facets))
-    }
-
-    /// The edges that splitting an item may make: its own limit, or that of the joint step.
-    fn limit_of(&self, item: Item) -> Option<Limit> {
-        let joint = || self.closure.state().and_then(State::joint_limit);
-        self.record.limits.get(&item).copied().or_else(joint)
-    }
-
-    /// Is there such a vertex on the rim of the point's cavity?
-    fn any_around(&self, is: impl FnMut(VertexId) -> bool) -> bool {
-        self.closure.cavity().flat_map(|t| self.closure.vertices(t)).any(is)
+        self.closure.unserved(item)
     }
 
     /// The verdict on a boundary point that takes the items `lost` out of the mesh. While the
@@ -298,21 +247,19 @@ impl<'s, B: Bounded> Judge<'s, B> {
             return Verdict::Fill(filling);
         }
         let limit = self.limit_of(item);
-        if let Some(state) = self.closure.state() {
-            let sized = limit.is_some_and(|limit| limit.along.is_some());
-            let related = |&other: &Item| {
-                let reason = state.relation(place.carrier, other)?;
-                let spent = self.record.joint_transactions;
-                let may = spent <= JOINT * state.mesh.num_vertices();
-                let together = may && state.go_together(item, other, reason, sized);
-                (!together).then_some(reason)
-            };
-            if let Some(reason) = lost.iter().find_map(related) {
-                return Verdict::Refuse(reason);
-            }
-            if state.journal.is_some() {
-                return Verdict::Fill(filling);
-            }
+        let sized = limit.is_some_and(|limit| limit.along.is_some());
+        let related = |&other: &Item| {
+            let reason = self.relation(place.carrier, other)?;
+            let may = self.record.joint_transactions <= JOINT * self.closure.num_vertices();
+            let together = may && self.go_together(item, other, reason, sized);
+            (!together).then_some(reason)
+        };
+        let relates = self.closure.angles().relates();
+        if relates && let Some(reason) = lost.iter().find_map(related) {
+            return Verdict::Refuse(reason);
+        }
+        if self.closure.state().is_some_and(|state| state.journal.is_some()) {
+            return Verdict::Fill(filling);
         }
         match lost.iter().find_map(|other| self.record.bars(other, limit)) {
             Some(reason) => Verdict::Refuse(reason),

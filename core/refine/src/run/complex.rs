@@ -16,37 +16,35 @@ impl<'a> Run<'a> {
     /// The boundary and the bounds as values.
     ///
     /// # Errors
-    /// [`ComplexError`] if there are small angles.
+    /// [`ComplexError`] if some of the boundary is missing.
     pub(super) fn complex(&self) -> Result<Complex<'a>, ComplexError> {
         let own = &self.refinement;
         Ok(Complex::of(&own.state, self.fit()?.clone(), own.floor))
     }
 
-    /// The bounds of a run that others can go on with who know no labels: those without rounds.
+    /// The bounds of a run that others can go on with who know neither labels nor limits: those
+    /// without rounds.
     ///
     /// # Errors
     /// [`ComplexError`] if there are patches or small angles.
-    pub(super) fn fit_without_labels(&self) -> Result<(), ComplexError> {
-        match self.refinement.state.plc.has_patches() {
-            true => Err(ComplexError::Unsupported("facets that are coplanar within a tolerance")),
-            false => self.fit().map(|_| ()),
+    pub(super) fn fit_without_rounds(&self) -> Result<(), ComplexError> {
+        let (state, no) = (&self.refinement.state, |what| Err(ComplexError::Unsupported(what)));
+        if state.plc.has_patches() {
+            return no("facets that are coplanar within a tolerance");
         }
+        if state.angles.matter() {
+            return no("features at small angles, or too near to each other");
+        }
+        self.fit().map(|_| ())
     }
 
     /// The bounds of a run that others can go on with in rounds.
     ///
     /// # Errors
-    /// [`ComplexError`] if there are small angles.
+    /// [`ComplexError`] if some of the boundary is missing.
     pub(super) fn fit(&self) -> Result<&Bounds<'a>, ComplexError> {
-        let own = &self.refinement;
-        let no = |what| Err(ComplexError::Unsupported(what));
-        let Some(bounds) = &own.bounds else {
-            return no("some of the boundary could not be recovered");
-        };
-        if own.state.angles.relates() || !own.state.angles.is_empty() {
-            return no("features at small angles, or too near to each other");
-        }
-        Ok(bounds)
+        let missing = "some of the boundary could not be recovered";
+        self.refinement.bounds.as_ref().ok_or(ComplexError::Unsupported(missing))
     }
 }
 

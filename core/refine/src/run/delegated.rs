@@ -10,12 +10,13 @@ use crate::mesh::marks::{ENDS, Marks, Word, edge_bit, face_bit};
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::{FACE, State};
 use crate::outcome::RefineStats;
+use crate::queue::split::Refinement;
 use crate::rounds::{InsertOrder, Resumed, Rounds, Waiting};
-use crate::rules::choice::{BoundaryItem, Corner, ItemPlace};
+use crate::rules::choice::{BoundaryItem, Corner, ItemPlace, TetPlace};
 use crate::rules::complex::{Complex, ComplexError, Start};
+use crate::rules::record::{Record, Refusal};
 use crate::table::{Map, edge, triangle};
 use crate::{RefineError, Refined};
-use ltbw_core::build::Phase;
 use ltbw_core::mesh::{Mesh, Vertex};
 use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId};
 use ltbw_domain::{Domain, Lattice};
@@ -36,6 +37,8 @@ pub struct Delegated<'a> {
     lattice: Lattice,
     clock: Instant,
     start_seconds: f64,
+    /// The transactions of joint steps in rounds so far.
+    spent: usize,
 }
 
 impl std::fmt::Debug for Delegated<'_> {
@@ -53,8 +56,8 @@ pub struct Asked {
     pub item: BoundaryItem,
     /// The one before which it is not to be tried.
     pub first: Option<ItemPlace>,
-    /// The shortest edge that splitting it may make.
-    pub limit: Option<f64>,
+    /// The edges that splitting it may make.
+    pub limit: Option<Limit>,
 }
 
 /// The state in which others hand over.
@@ -69,6 +72,10 @@ pub struct Handed {
     pub regions: Vec<u32>,
     /// Boundary items to be split.
     pub asked: Vec<Asked>,
+    /// Boundary items that were refused.
+    pub refused: Vec<(ItemPlace, Refusal)>,
+    /// Tetrahedra that were refused.
+    pub refused_tets: Vec<(TetId, Refusal)>,
     /// Candidates among the tetrahedra in the last round that split some.
     pub candidates: usize,
     /// If none is over its bounds, the tetrahedra that may have tiny dihedral angles.
@@ -77,14 +84,21 @@ pub struct Handed {
     pub stats: RefineStats,
 }
 
-/// A refinement after circles were split.
+/// The work with which rounds go on.
 #[doc(hidden)]
-#[derive(Debug)]
-pub enum Parted<'a> {
-    /// Rounds go on: with these items to be split, and the candidates when last counted.
-    Again(Box<Delegated<'a>>, Vec<Asked>, usize),
-    /// It is refined to its end.
-    Finished(Box<Refined>),
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Remaining {
+    /// Boundary items to be split.
+    pub asked: Vec<Asked>,
+    /// Boundary items that were refused.
+    pub refused: Vec<(ItemPlace, Refusal)>,
+    /// Tetrahedra that were refused, by their places.
+    pub refused_tets: Vec<(TetPlace, Refusal)>,
+    /// The candidates among the tetrahedra when last counted.
+    pub candidates: usize,
+    /// The transactions of joint steps in rounds so far.
+    pub spent: usize,
 }
 
 impl<'a> Refiner<'a> {
@@ -123,7 +137,7 @@ impl<'a> Refiner<'a> {
         }
         let patched = run.refinement.state.plc.has_patches();
         let usual = if patched { START_WITH_PATCHES } else { START };
-        let is_for_others = wanted > 0 && run.fit_without_labels().is_ok();
+        let is_for_others = wanted > 0 && run.fit_without_rounds().is_ok();
         let start = match run.refinement.state.expected / TETS_PER_VERTEX {
             _ if !is_for_others => usual,
             0 => usual.max(wanted),
@@ -131,7 +145,7 @@ impl<'a> Refiner<'a> {
         };
         run.refine(self.start.unwrap_or(start))?;
         let start_seconds = clock.elapsed().as_secs_f64();
-        Ok(Delegated { run, regions, lattice: *lattice, clock, start_seconds })
+        Ok(Delegated { run, regions, lattice: *lattice, clock, start_seconds, spent: 0 })
     }
 }
 
@@ -139,7 +153,7 @@ impl<'a> Delegated<'a> {
     /// The boundary and the bounds as values, and the mesh at the start.
     ///
     /// # Errors
-    /// [`ComplexError`] if there are small angles, or nothing to do in rounds.
+    /// [`ComplexError`] if some of the boundary is missing, or there is nothing to do in rounds.
     pub fn complex(&self) -> Result<(Complex<'a>, Start), ComplexError> {
         self.check_fit()?;
         let complex = self.run.complex()?;
@@ -151,10 +165,10 @@ impl<'a> Delegated<'a> {
     /// a circle: for others that cannot do that.
     ///
     /// # Errors
-    /// As of [`Delegated::complex`], or if there are patches, before anything is split; a run that
-    /// stops while these are, or a broken invariant.
+    /// As of [`Delegated::complex`], or if there are patches or small angles, before anything is
+    /// split; a run that stops while these are, or a broken invariant.
     pub fn complex_without_circles(&mut self) -> Result<(Complex<'a>, Start), ComplexError> {
-        self.run.fit_without_labels()?;
+        self.run.fit_without_rounds()?;
         self.check_fit()?;
         self.run.part_circles()?;
         self.complex()
@@ -184,34 +198,26 @@ impl<'a> Delegated<'a> {
         self.finish_from(Some(resumed))
     }
 
-    /// Takes over where boundary items wait for each other in circles, and splits these. Others may
-    /// go on then, unless something could not be split: then it is refined to its end here.
+    /// Takes over where boundary items wait for each other in circles, and splits these. Others go
+    /// on then with what is left.
     ///
     /// # Errors
     /// Those of [`Delegated::finish`].
-    pub fn part_circles(mut self, handed: Handed) -> Result<Parted<'a>, RefineError> {
+    pub fn part_circles(&mut self, handed: Handed) -> Result<Remaining, RefineError> {
         let resumed = self.take(handed)?;
         let candidates = resumed.candidates;
         let Run { refiner, most, stats, ref mut refinement, .. } = self.run;
         let mut rounds = Rounds::new(refinement, refiner.order, most, stats);
         rounds.resume(resumed);
-        match rounds.part_circles()? {
-            Ok((left, stats)) => {
-                self.run.stats = stats;
-                let state = &self.run.refinement.state;
-                let asked: Option<Vec<Asked>> =
-                    left.into_iter().map(|waiting| state.asked(waiting)).collect();
-                let asked = asked.ok_or(RefineError::Invariant { what: "items have names" })?;
-                Ok(Parted::Again(Box::new(self), asked, candidates))
-            }
-            Err(rounds) => {
-                let tell = |vertices: usize| refiner.tell(Phase::Refine, vertices);
-                let (stop, stats, over, times) = rounds.run_in_pool(refiner.cancel, tell)?;
-                (self.run.stop, self.run.over, self.run.rounds) = (stop, Some(over), times);
-                self.run.stats = RefineStats { start_seconds: self.start_seconds, ..stats };
-                Ok(Parted::Finished(Box::new(self.end()?)))
-            }
-        }
+        let (left, stats) = rounds.part_circles()?;
+        self.run.stats = stats;
+        let Refinement { record, state, .. } = &self.run.refinement;
+        self.spent = record.joint_transactions;
+        let asked: Option<Vec<Asked>> =
+            left.into_iter().map(|waiting| state.asked(waiting)).collect();
+        let asked = asked.ok_or(RefineError::Invariant { what: "items have names" })?;
+        let (refused, refused_tets) = state.refusals(record);
+        Ok(Remaining { asked, refused, refused_tets, candidates, spent: self.spent })
     }
 
     /// The figures of all rounds so far.
@@ -221,7 +227,9 @@ impl<'a> Delegated<'a> {
 
     /// Takes the state that others hand over.
     fn take(&mut self, handed: Handed) -> Result<Resumed, RefineError> {
-        let Handed { mesh, carriers, regions, asked, candidates, thin, stats } = handed;
+        let Handed { mesh, carriers, regions, asked, refused, candidates, thin, stats, .. } =
+            handed;
+        let refused_tets = handed.refused_tets;
         let unfit = |_| RefineError::Invariant { what: "rounds of others are of a plain domain" };
         let complex = self.run.complex().map_err(unfit)?;
         let own = &mut self.run.refinement;
@@ -229,7 +237,8 @@ impl<'a> Delegated<'a> {
         own.state.carriers = std::iter::once(Carrier::Free).chain(carriers).collect();
         own.inserted.points = own.state.number_all();
         own.inserted.next_number = own.state.carriers.len() as Vertex - 1;
-        let found = own.state.enter_marks(&complex, &regions, !asked.is_empty());
+        let is_asked = !asked.is_empty() || !refused.is_empty();
+        let found = own.state.enter_marks(&complex, &regions, is_asked);
         let mut all = own.state.mesh.topology().iter().map(|(t, _)| t);
         if complex.has_patches() && !own.state.is_labelled(&mut all) {
             return Err(RefineError::Invariant { what: "regions change at the boundary alone" });
@@ -237,12 +246,19 @@ impl<'a> Delegated<'a> {
         let waiting = |asked: &Asked| {
             let &(item, near) = found.get(&asked.item.place())?;
             let first = asked.first.and_then(|first| Some(found.get(&first)?.0));
-            Some(Waiting { item, first, near, limit: asked.limit.map(Limit::all) })
+            Some(Waiting { item, first, near, limit: asked.limit })
         };
         let waiting: Option<Vec<Waiting>> = asked.iter().map(waiting).collect();
-        let gone = RefineError::Invariant { what: "items asked for are in the mesh" };
+        let items: Option<Vec<_>> =
+            refused.iter().map(|(place, why)| Some((found.get(place)?.0, *why))).collect();
+        let tets = refused_tets.iter().map(|&(t, why)| (Item::Tet(t, own.state.vertices(t)), why));
+        let refused = items.map(|items| items.into_iter().chain(tets).collect());
+        let gone = || RefineError::Invariant { what: "items asked for are in the mesh" };
         self.run.stats = stats;
-        Ok(Resumed { waiting: waiting.ok_or(gone)?, candidates, thin })
+        // Tetrahedra that no point helps have to be refused with their reasons.
+        let thin = thin.filter(|_| !complex.has_angles());
+        let (waiting, refused) = (waiting.ok_or_else(gone)?, refused.ok_or_else(gone)?);
+        Ok(Resumed { waiting, refused, candidates, thin, spent: self.spent })
     }
 
     fn finish_from(mut self, resumed: Option<Resumed>) -> Result<Refined, RefineError> {
@@ -258,6 +274,25 @@ impl<'a> Delegated<'a> {
 }
 
 impl State {
+    /// The boundary items and the tetrahedra that were refused, by their places.
+    #[expect(clippy::type_complexity, reason = "two lists of one kind")]
+    fn refusals(&self, record: &Record) -> (Vec<(ItemPlace, Refusal)>, Vec<(TetPlace, Refusal)>) {
+        let (mut items, mut tets) = (Vec::new(), Vec::new());
+        for (&item, &why) in &record.refused {
+            match item {
+                Item::Segment(s) => items.push((ItemPlace::of(&s.map(|v| self.at(v))), why)),
+                Item::Subface(s) => items.push((ItemPlace::of(&s.map(|v| self.at(v))), why)),
+                Item::Tet(t, v) if self.is_live(t, v) => {
+                    tets.push((TetPlace::of(v.map(|v| self.at(v))), why));
+                }
+                Item::Tet(..) => {}
+            }
+        }
+        items.sort_unstable_by_key(|own| own.0);
+        tets.sort_unstable_by_key(|own| own.0);
+        (items, tets)
+    }
+
     /// A boundary item to be split, by its corners.
     fn asked(&self, waiting: Waiting) -> Option<Asked> {
         let corner =
@@ -275,11 +310,7 @@ impl State {
             Some(first) => Some(named(first)?.place()),
             None => None,
         };
-        Some(Asked {
-            item: named(waiting.item)?,
-            first,
-            limit: waiting.limit.map(|limit| limit.least),
-        })
+        Some(Asked { item: named(waiting.item)?, first, limit: waiting.limit })
     }
 
     /// Numbers all vertices: those of the domain as there. Counts the others.

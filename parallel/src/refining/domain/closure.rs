@@ -8,7 +8,8 @@ use ltbw_core::topology::TetId;
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
 use ltbw_refine::{
-    BoundaryItem, Carrier, Closure, Collected, Complex, Corner, NOWHERE, Ruling, Survey,
+    BoundaryItem, Carrier, Closure, Collected, Complex, Corner, NOWHERE, Past, Refusals, Ruling,
+    Survey,
 };
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -83,7 +84,9 @@ impl LockedClosure {
         let ruling = match point.carrier {
             Carrier::Free => survey.rule_on_tet(),
             Carrier::Segment(of, _) | Carrier::Facet(of) => match self.item(&point.item, of) {
-                Some(item) => survey.rule_on_item(&item, point.may),
+                Some(item) => {
+                    survey.rule_on_item(&item, point.may, &Past::without(&Refusals::new()))
+                }
                 None => Ruling::Useless,
             },
             Carrier::Corner(_) => Ruling::Useless,
@@ -95,7 +98,7 @@ impl LockedClosure {
                 let nearest = first.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
                 nearest.map_or(LockedRuling::Useless, |item| self.defer(item))
             }
-            Ruling::Refuse | Ruling::Useless => LockedRuling::Useless,
+            Ruling::Refuse(_) | Ruling::Useless => LockedRuling::Useless,
         }
     }
 

@@ -19,7 +19,7 @@ use crate::refining::news::DomainNews;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_core::{expect, prefetch};
 use ltbw_exact::Point;
-use ltbw_refine::{Carrier, Complex};
+use ltbw_refine::{Carrier, Complex, Corner};
 use rustc_hash::FxHashSet;
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
@@ -149,6 +149,11 @@ impl<'c> DomainMesh<'c> {
     /// Is a vertex on the boundary?
     pub(crate) fn is_bound(&self, v: VertexId) -> bool {
         self.carriers.is_bound(v)
+    }
+
+    /// A vertex, as it is told to others.
+    pub(crate) fn corner(&self, v: VertexId) -> Corner {
+        Corner { point: self.point(v), carrier: self.carrier(v) }
     }
 
     pub(crate) fn point(&self, v: VertexId) -> Point {

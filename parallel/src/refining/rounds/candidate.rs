@@ -5,7 +5,10 @@ use crate::protocol::{Name, Table, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{Bits, Owned, ProbeId, Proposal, WireClosure};
 use ltbw_core::topology::{TetId, VertexId};
-use ltbw_refine::{BoundaryItem, Carrier, Closure, Filled, NOWHERE, Rank, RankLead, Rival, Watch};
+use ltbw_refine::{
+    BoundaryItem, Carrier, Closure, Filled, Limit, NOWHERE, Past, Rank, RankLead, Reason, Rival,
+    Watch,
+};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
@@ -19,16 +22,40 @@ pub(super) enum What {
 }
 
 impl What {
-    /// It asks for an item. Bounds are read now: when all is decided, others insert already.
-    pub(super) fn asks(&self, mesh: &DomainMesh<'_>, item: BoundaryItem) -> Outcome {
-        let limit = match *self {
+    /// It asks for the first of some items that may be split, or is refused if none may. Bounds are
+    /// read now: when all is decided, others insert already.
+    pub(super) fn asks(
+        &self,
+        mesh: &DomainMesh<'_>,
+        first: &[BoundaryItem],
+        past: &Past<'_>,
+    ) -> Outcome {
+        let (past, limit, reason) = match *self {
+            Self::Tet(_, v) => {
+                let past = self.under_limit(mesh, past);
+                let reason = || mesh.complex.reason_near(v.map(|v| mesh.corner(v)));
+                let is_told = past.refused.is_empty() && !first.is_empty();
+                let reason = if is_told { Reason::Rounding } else { reason() };
+                (past, past.limit, reason)
+            }
+            Self::Item(_) => (*past, None, Reason::Rounding),
+        };
+        match past.first_of(first, reason) {
+            Ok(item) => Outcome::Asks(Box::new(item), limit),
+            Err(reason) => Outcome::Refused(reason),
+        }
+    }
+
+    /// Its past, with the limit of a tetrahedron.
+    pub(super) fn under_limit<'p>(&self, mesh: &DomainMesh<'_>, past: &Past<'p>) -> Past<'p> {
+        match *self {
             Self::Tet(t, v) => {
                 let points = v.map(|v| mesh.point(v));
-                Some(mesh.complex.limit_of_tet(points, mesh.region(t)))
+                let limit = Some(mesh.complex.limit_of_tet(points, mesh.region(t)));
+                Past { limit, ..*past }
             }
-            Self::Item(_) => None,
-        };
-        Outcome::Asks(Box::new(item), limit)
+            Self::Item(_) => *past,
+        }
     }
 }
 
@@ -41,8 +68,10 @@ pub(super) enum Outcome {
     Dropped,
     /// The point may be inserted, unless others are in its way.
     Fits(Filled),
-    /// An item comes first; the shortest edge that this may lead to.
-    Asks(Box<BoundaryItem>, Option<f64>),
+    /// An item comes first; the edges that this may lead to.
+    Asks(Box<BoundaryItem>, Option<Limit>),
+    /// It cannot be split.
+    Refused(Reason),
 }
 
 /// A probe, and the point that it is about.

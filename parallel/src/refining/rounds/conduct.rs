@@ -3,17 +3,28 @@
 use super::contest::Contest;
 use super::source::Rounds;
 use crate::protocol::{Rules, WorkerId};
+use crate::refining::domain::DomainMesh;
 use crate::refining::news::{DomainNews, Entrant, Report};
 
 impl<C: Rules> Rounds<C> {
-    /// The conductor hears of a worker's entrants. When all have told the contest begins.
-    pub(super) fn take_entrants(&mut self, from: WorkerId, entrants: Vec<Entrant>) {
+    /// The conductor hears of a worker's entrants. When all have told the contest begins, or where
+    /// there are no turns all hear which of theirs are probed.
+    pub(super) fn take_entrants(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        from: WorkerId,
+        entrants: Vec<Entrant>,
+    ) {
         let told = &mut self.conductor.told;
         told.resize(self.workers as usize, None);
         told[from.index()] = Some(entrants);
         if told.iter().all(Option::is_some) {
             let told = std::mem::take(told).into_iter().flatten().collect();
-            self.conductor.contest = Contest::of(told);
+            let contest = Contest::of(told);
+            if !self.has_turns(mesh) {
+                return self.tell_leaders(&contest);
+            }
+            self.conductor.contest = contest;
             self.conduct();
         }
     }

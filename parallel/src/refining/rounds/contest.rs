@@ -104,6 +104,12 @@ impl Contest {
         contest
     }
 
+    /// Of each worker, the numbers of its entrants that are probed.
+    pub(super) fn probed(&self) -> impl Iterator<Item = Vec<u32>> + '_ {
+        let is_probed = |(number, rank): (u32, &Option<u32>)| rank.map(|_| number);
+        self.ranks.iter().map(move |own| (0..).zip(own).filter_map(is_probed).collect())
+    }
+
     /// The next wave of probes, by homes that are to launch them; none if all are probed. Boundary
     /// items are one wave.
     pub(super) fn next_wave(&mut self) -> Option<FxHashMap<WorkerId, Vec<u32>>> {
@@ -149,8 +155,9 @@ impl Contest {
         };
         self.awaited -= 1;
         self.has_alone |= report.is_alone();
+        let holds = self.of_boundary == 0 && !report.is_refused();
         self.all[rank as usize].report = Some(report);
-        if self.of_boundary == 0 {
+        if holds {
             self.reserve(rank);
         }
     }
@@ -181,7 +188,7 @@ impl Contest {
                 return Fate::Barred;
             }
             _ if is_boundary && report.closure().any(is_barred) => return Fate::Barred,
-            Reported::Asks => !self.contender(rank).is_killed(self),
+            Reported::Asks | Reported::Refused => !self.contender(rank).is_killed(self),
             Reported::Fits { .. } => self.survives(rank, report),
         };
         if stands { Fate::Stands } else { Fate::Falls }
@@ -200,8 +207,11 @@ impl Contest {
             let fate = self.fate(rank);
             fates.push(fate);
             let fits = |own: &Report| matches!(own.verdict, Reported::Fits { .. });
-            let holds =
-                rank >= self.of_boundary || self.all[rank].report.as_ref().is_some_and(fits);
+            let report = self.all[rank].report.as_ref();
+            let holds = match rank < self.of_boundary {
+                true => report.is_some_and(fits),
+                false => !report.is_some_and(Report::is_refused),
+            };
             if has_turns && fate == Fate::Stands && holds {
                 self.reserve(rank as u32);
             }

@@ -7,9 +7,9 @@ use super::source::{Rounds, Stage};
 use crate::mesh::{WireVertex, made};
 use crate::protocol::{Rules, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint, WallRegion};
-use crate::refining::news::{DomainNews, WireItem, point, rival, rival_byte};
+use crate::refining::news::{DomainNews, WireItem, WireLimit, point, rival, rival_byte};
 use ltbw_core::topology::TetId;
-use ltbw_refine::{BoundaryItem, Filled};
+use ltbw_refine::{BoundaryItem, Filled, Limit};
 
 impl<C: Rules> Rounds<C> {
     /// All cavities are reserved: rivals are told of, and the points chosen that wait for none.
@@ -90,6 +90,7 @@ impl<C: Rules> Rounds<C> {
             match std::mem::replace(&mut probe.outcome, Outcome::Dropped) {
                 Outcome::Open | Outcome::Dropped => return,
                 Outcome::Asks(item, limit) => return self.ask_for(mesh, k, *item, limit),
+                Outcome::Refused(reason) => return self.carry_out_refusal(mesh, k, reason),
                 Outcome::Fits(filled) => filled,
             };
         let start = match probe.what {
@@ -117,7 +118,7 @@ impl<C: Rules> Rounds<C> {
     }
 
     /// A probe's tetrahedron, or item, asks for an item that is to be split before it.
-    fn ask_for(&mut self, mesh: &DomainMesh<'_>, k: u32, item: BoundaryItem, limit: Option<f64>) {
+    fn ask_for(&mut self, mesh: &DomainMesh<'_>, k: u32, item: BoundaryItem, limit: Option<Limit>) {
         let place = item.place();
         let (limit, waiter) = match &self.choice.probes[k as usize].what {
             What::Tet(..) => (limit, None),
@@ -140,7 +141,7 @@ impl<C: Rules> Rounds<C> {
             let waiter = waiter.map(|place| (self.me, place));
             return self.demands.asked.push((Pending { item, first: None, limit, near }, waiter));
         }
-        let limit = limit.map(f64::to_bits);
+        let limit = limit.map(WireLimit::new);
         self.counts.asks += 1;
         self.send(keeper, DomainNews::Ask { item: WireItem::new(&item), limit, waiter });
     }

@@ -1,6 +1,5 @@
 //! A closure that is all one worker's, as a survey reads it.
 
-use super::serve::corner;
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_refine::{Corner, NOWHERE, Surveyed};
@@ -44,7 +43,7 @@ impl Surveyed for Here<'_, '_> {
     }
 
     fn corner(&self, v: u32) -> Corner {
-        corner(self.mesh, VertexId::new(v))
+        self.mesh.corner(VertexId::new(v))
     }
 
     fn region(&self, t: TetId) -> u32 {

@@ -13,13 +13,14 @@
 
 mod told;
 
-use super::ranked::{RankedHere, places_of, rank_of};
+use super::ranked::{Own, RankedHere, places_of, rank_of};
 use crate::protocol::{BlockId, Handle, Name, Rules};
 use crate::refining::domain::DomainMesh;
 use crate::refining::flags::Flags;
 use ltbw_core::Point;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
-use ltbw_refine::{Keys, Rank, RankLead, ThinTets};
+use ltbw_refine::{Keys, Rank, RankLead, Refusal, ThinTets};
+use rustc_hash::FxHashMap;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -77,7 +78,11 @@ pub(super) struct SharedKeys {
     /// The slots in `touched`.
     is_touched: Flags,
     /// The memory of news that others have told: about as much is told them.
-    spare: Vec<Vec<(Name, u8, Rank)>>,
+    spare: Vec<Vec<(Name, u8, Option<Rank>)>>,
+    /// Tetrahedra that were refused.
+    refused: FxHashMap<Own, Refusal>,
+    /// The ones among them whose ranks others may know still.
+    withdrawn: Vec<Own>,
     /// The memory of lists of the foremost ones, of rounds before.
     foremost: [Vec<Foremost>; 2],
 }
@@ -117,7 +122,11 @@ impl SharedKeys {
         for t in mesh.complex.over_among(inside, tell) {
             // One that is told of twice has a key already.
             let carrier = |k: usize| mesh.carrier(all.vertices(t)[k]);
-            if self.own.at(t) == 0 && !mesh.complex.is_flat(carrier) {
+            let is_refused = || self.refused.contains_key(&(t, all.vertices(t)));
+            let is_split = !mesh.complex.is_flat(carrier)
+                && !is_beyond_help(mesh, t)
+                && (self.refused.is_empty() || !is_refused());
+            if self.own.at(t) == 0 && is_split {
                 let places = places_of::<C>(mesh, all.vertices(t));
                 self.own.enter(t, Rank::key_of_tet(places));
             }
@@ -134,6 +143,22 @@ impl SharedKeys {
             }
         }
         self.own.find_witnesses(&RankedHere::<C>::of(mesh), first);
+    }
+
+    /// A tetrahedron is refused: it has no rank any more.
+    pub(super) fn refuse(&mut self, mesh: &DomainMesh<'_>, own: Own, why: Refusal) {
+        // Others insert already.
+        if mesh.has(own) {
+            // No look so far has found it so.
+            self.own.write(own.0, 0, self.own.look() + 1);
+            self.withdrawn.push(own);
+        }
+        self.refused.insert(own, why);
+    }
+
+    /// Tetrahedra were refused in rounds before.
+    pub(super) fn refuse_again(&mut self, refused: impl Iterator<Item = (Own, Refusal)>) {
+        self.refused.extend(refused);
     }
 
     /// Forgets those that are gone; finds the interface faces that are new.
@@ -174,13 +199,31 @@ impl SharedKeys {
         for &t in tets.topology().free_slots() {
             self.own.forget(t);
         }
+        if !self.refused.is_empty() {
+            self.refused.retain(|&own, _| mesh.has(own));
+        }
+        for (t, _) in self.withdrawn.clone().into_iter().filter(|&own| mesh.has(own)) {
+            for n in tets.neighbours(t).map(tet_of).into_iter().chain([t]) {
+                if self.is_beside(n) {
+                    self.touch(n);
+                }
+            }
+        }
         self.thin.forget_old(|own| mesh.has(own));
         debug_assert!(self.has_all_interface_faces(mesh));
     }
 
+    /// The tetrahedra that were refused.
+    pub(super) fn refused(&self, mesh: &DomainMesh<'_>) -> Vec<(TetId, Refusal)> {
+        let left = self.refused.iter().filter(|(own, _)| mesh.has(**own));
+        let mut all: Vec<(TetId, Refusal)> = left.map(|(own, why)| (own.0, *why)).collect();
+        all.sort_unstable_by_key(|own| own.0);
+        all
+    }
+
     /// The tetrahedra that may have tiny dihedral angles.
-    pub(super) fn into_thin(self, mesh: &DomainMesh<'_>) -> Vec<TetId> {
-        let left = self.thin.tets.into_iter().filter(|&own| mesh.has(own));
+    pub(super) fn thin(&self, mesh: &DomainMesh<'_>) -> Vec<TetId> {
+        let left = self.thin.tets.iter().copied().filter(|&own| mesh.has(own));
         let mut all: Vec<TetId> = left.map(|(t, _)| t).collect();
         // Some are told of twice.
         all.sort_unstable();
@@ -329,6 +372,12 @@ impl SharedKeys {
             }
         })
     }
+}
+
+/// Is splitting a tetrahedron over its bounds no help?
+fn is_beyond_help(mesh: &DomainMesh<'_>, t: TetId) -> bool {
+    let corners = || mesh.inner.tets().vertices(t).map(|v| mesh.corner(v));
+    mesh.complex.has_angles() && mesh.complex.is_beyond_help(corners(), mesh.region(t))
 }
 
 /// The order of the rank of a tetrahedron over its bounds, which has this key, and another one:

@@ -11,8 +11,7 @@
 //! so that each is known to one, whoever asks for it.
 //!
 //! Work on the whole mesh is left to the engine, which takes over when nothing else is left:
-//! slivers; circles of items that wait for each other; anything that cannot be split. Domains with
-//! small angles it refines from the start.
+//! slivers; circles of items that wait for each other; anything that cannot be split.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -24,12 +23,15 @@
 //! | `keys`, `ranked` | which tetrahedra come before all around them |
 //! | `candidate` | probes and candidates as values |
 //! | `probe` | the home's side of the choice: probes and what comes of them |
+//! | `leaders` | which of several with nearly equal spheres is probed |
 //! | `ahead`, `found` | cavities found while others are waited for |
 //! | `here` | closures that are all one worker's |
 //! | `decide` | who is chosen |
 //! | `ruled` | the verdict on a probe's point |
 //! | `contest`, `conduct`, `turns` | turns at patches: by the conductor, and at home |
 //! | `demands` | boundary items to be split, and who waits for whom |
+//! | `refused` | what cannot be split, and who knows |
+//! | `left` | what workers are given, and leave |
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
 //! | `way` | straight ways to proposed points |
@@ -44,11 +46,14 @@ mod demands;
 mod found;
 mod here;
 mod keys;
+mod leaders;
+mod left;
 mod mail;
 mod probe;
 mod ranked;
 #[cfg(feature = "wire")]
 mod ranks;
+mod refused;
 mod reserved;
 mod ruled;
 mod serve;
@@ -74,11 +79,11 @@ use crate::metrics::Summary;
 use crate::protocol::{BlockId, Config, Correct, Rules, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use crate::threads::{Parallel, WorkerStats};
-use demands::Pending;
 use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_refine::{
-    Asked, Complex, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start,
+    Asked, Complex, ComplexError, Handed, ItemPlace, RefineStats, Refined, Refiner, Refusal,
+    Remaining, Start,
 };
 
 /// A worker that refines a domain in rounds.
@@ -126,10 +131,12 @@ type AllRounds = (Refined, Result<Ending, ComplexError>, RoundFigures, Vec<usize
 #[derive(Default)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 struct Resumed {
-    asked: Vec<Asked>,
-    candidates: usize,
+    left: Remaining,
     figures: RoundFigures,
 }
+
+/// Circles for which workers hand over, and take back what is left; at the last the engine goes on.
+const MOST_CIRCLES: u64 = 64;
 
 /// Workers, and what they have in common.
 type Begun<'c, C> = (Vec<RoundNode<'c, C>>, SharedInput);
@@ -139,6 +146,10 @@ type Begun<'c, C> = (Vec<RoundNode<'c, C>>, SharedInput);
 struct Left {
     worker: WorkerId,
     asked: Vec<Asked>,
+    /// All boundary items that were refused.
+    refused: Vec<(ItemPlace, Refusal)>,
+    /// Its tetrahedra that were refused.
+    refused_tets: Vec<(TetId, Refusal)>,
     /// Candidates among the tetrahedra when last counted.
     candidates: usize,
     /// Its tetrahedra that may have tiny dihedral angles.
@@ -161,7 +172,7 @@ fn refine<'a, C: Rules>(
     let mut delegated = refiner.delegate(domain, lattice)?;
     let mut resumed = Resumed::default();
     let mut firsts = Vec::new();
-    // Ends: each time at least one item of a circle is split, or refused, which is the end.
+    // Ends: each time at least one item of a circle is split, or refused.
     loop {
         let (complex, start) = match delegated.complex() {
             Ok(whole) => whole,
@@ -175,16 +186,10 @@ fn refine<'a, C: Rules>(
             join(left, common, (&start, delegated.stats()), &mut figures)?;
         firsts = slots;
         figures.ended += 1;
-        if ending != Ending::Circles {
+        if ending != Ending::Circles || figures.ended >= MOST_CIRCLES {
             return Ok((delegated.finish(handed)?, Ok(ending), figures, firsts));
         }
-        match delegated.part_circles(handed)? {
-            Parted::Again(again, asked, candidates) => {
-                delegated = *again;
-                resumed = Resumed { asked, candidates, figures };
-            }
-            Parted::Finished(refined) => return Ok((*refined, Ok(ending), figures, firsts)),
-        }
+        resumed = Resumed { left: delegated.part_circles(handed)?, figures };
     }
 }
 
@@ -263,11 +268,12 @@ fn begin<'c, C: Rules>(
     resumed: &Resumed,
 ) -> Result<Begun<'c, C>, RefineError> {
     let before = start.made();
+    let others = start.points.len() as u64 - before;
     let source = |me, mesh: &mut DomainMesh<'_>| {
         let place = (me, layout.workers, layout.blocks_per_worker);
-        let mut source = Rounds::new(place, (before, start.most), mesh);
+        let mut source = Rounds::new(place, [before, start.most, others], mesh);
         source.expect_tets(start.expected_of(layout.workers));
-        source.resume(mesh, &resumed.asked, resumed.candidates, resumed.figures);
+        source.resume(mesh, &resumed.left, resumed.figures);
         source
     };
     prepare(complex, start, &layout, config, source)
@@ -276,10 +282,7 @@ fn begin<'c, C: Rules>(
 /// The part of a worker at the end of its rounds, and the work that it leaves.
 fn left_by<C: Rules>(worker: RoundNode<'_, C>) -> (Part, Left) {
     let (mesh, source, _) = worker.into_parts();
-    let (pending, candidates, thin, ending, figures) = source.into_parts(&mesh);
-    let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
-    let asked = pending.into_iter().map(left).collect();
-    let left = Left { worker: mesh.me(), asked, candidates, thin, ending, figures };
+    let left = source.into_left(&mesh);
     (Part::of(mesh), left)
 }
 
@@ -291,19 +294,21 @@ fn join(
     figures: &mut RoundFigures,
 ) -> Result<All, RefineError> {
     let (mut parts, mut asked, mut all_thin) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut refused, mut all_tets) = (Vec::new(), Vec::new());
     let (mut ending, mut candidates) = (Ending::Done, 0);
     let before_all = [figures.searches, figures.ahead];
     let mut sums = before_all;
     for (part, left) in all {
         let own = left.figures;
         all_thin.push(left.thin);
+        all_tets.push(left.refused_tets);
         asked.extend(left.asked);
         let counts = [own.searches, own.ahead].into_iter().zip(before_all);
         let add = |(sum, (own, before)): (&mut u64, (u64, u64))| *sum += own.saturating_sub(before);
         sums.iter_mut().zip(counts).for_each(add);
         if left.worker == WorkerId::default() {
             ending = left.ending.unwrap_or(Ending::Irregular);
-            (candidates, *figures) = (left.candidates, own);
+            (candidates, *figures, refused) = (left.candidates, own, left.refused);
         }
         parts.push(part);
     }
@@ -318,13 +323,19 @@ fn join(
         round_points: figures.points,
         ..before
     };
+    let tets = firsts.iter().zip(all_tets).flat_map(|(first, own)| {
+        own.into_iter().map(move |(t, why)| (TetId::at(first + t.index()), why))
+    });
+    let refused_tets = tets.collect();
     // Workers look at all that they make, and have ended as none was over its bounds.
     let thin = (ending == Ending::Done).then(|| {
         let all = firsts.iter().zip(all_thin);
         all.flat_map(|(first, own)| own.into_iter().map(move |t| TetId::at(first + t.index())))
             .collect()
     });
-    Ok((Handed { carriers, regions, asked, candidates, thin, stats, mesh }, ending, firsts))
+    let handed =
+        Handed { mesh, carriers, regions, asked, refused, refused_tets, candidates, thin, stats };
+    Ok((handed, ending, firsts))
 }
 
 impl<C> Workload for Rounds<C> {

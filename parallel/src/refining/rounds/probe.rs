@@ -4,14 +4,14 @@ use super::candidate::{Outcome, Probe, Seeker, Waits, What};
 use super::here::Here;
 use super::ranked::rank_of;
 use super::ruled::Verdict;
-use super::serve::{corner, describe};
+use super::serve::describe;
 use super::source::Rounds;
 use super::way::{Entry, FarFace, WayEnd, labels_at, walk_way};
 use crate::protocol::{Directory, Handle, Rules, Submesh, Table, Walk, WorkerId};
 use crate::refining::domain::{DomainMesh, is_near};
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
-use ltbw_refine::{Aim, BoundaryItem, Collected, Filled, RankLead, Ruling, middle};
+use ltbw_refine::{Aim, BoundaryItem, Collected, Filled, RankLead, Reason, Ruling, middle};
 
 impl<C: Rules> Rounds<C> {
     pub(super) fn id(&self, number: u32) -> ProbeId {
@@ -68,7 +68,7 @@ impl<C: Rules> Rounds<C> {
             Aim::Skip => self.retry(mesh, directory, k),
             Aim::Exhausted => {
                 let What::Tet(t, v) = self.choice.probes[k as usize].what else {
-                    return self.give_up(mesh, k);
+                    return self.refuse_without_aim(mesh, k);
                 };
                 // The regions beyond tell of patches.
                 let is_known = |slot| labels_at(mesh, t, slot).is_some();
@@ -76,13 +76,10 @@ impl<C: Rules> Rounds<C> {
                     return self.give_up(mesh, k);
                 }
                 let labels = |slot: usize| labels_at(mesh, t, slot);
-                let sides = mesh.complex.sides_of(v.map(|v| corner(mesh, v)), labels);
-                match sides.first() {
-                    Some(side) => self.conclude_with(mesh, k, *side),
-                    None => self.give_up(mesh, k),
-                }
+                let sides = mesh.complex.sides_of(v.map(|v| mesh.corner(v)), labels);
+                self.conclude_with(mesh, k, &sides);
             }
-            Aim::Refused => self.give_up(mesh, k),
+            Aim::Refused => self.refuse(mesh, k, Reason::Floor),
         }
     }
 
@@ -107,6 +104,10 @@ impl<C: Rules> Rounds<C> {
     fn retry(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
         let Probe { ref what, lead, attempt, .. } = self.choice.probes[k as usize];
         let what = what.clone();
+        // Of an item one search counts.
+        if matches!(what, What::Item(_)) {
+            self.choice.probes[k as usize].was_searched = false;
+        }
         self.conclude(k, Outcome::Dropped);
         let next = self.add_probe(what, lead, attempt + 1);
         self.pass_turn_on(k, next);
@@ -120,13 +121,14 @@ impl<C: Rules> Rounds<C> {
         self.report(mesh, k);
     }
 
-    fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, item: BoundaryItem) {
-        let outcome = self.choice.probes[k as usize].what.asks(mesh, item);
+    fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, first: &[BoundaryItem]) {
+        let what = &self.choice.probes[k as usize].what;
+        let outcome = what.asks(mesh, first, &self.past(what));
         self.conclude(k, outcome);
         self.report(mesh, k);
     }
 
-    fn conclude(&mut self, k: u32, outcome: Outcome) {
+    pub(super) fn conclude(&mut self, k: u32, outcome: Outcome) {
         self.choice.probes[k as usize].outcome = outcome;
         self.choice.open -= 1;
     }
@@ -244,7 +246,7 @@ impl<C: Rules> Rounds<C> {
         probe.open -= 1;
         match end {
             PartEnd::Found => {}
-            PartEnd::Blocked(item) => return self.conclude_with(mesh, k, item.item()),
+            PartEnd::Blocked(item) => return self.conclude_with(mesh, k, &[item.item()]),
             PartEnd::Outside | PartEnd::Vertex => return self.retry(mesh, directory, k),
         }
         probe.was_searched = true;
@@ -327,8 +329,9 @@ impl<C: Rules> Rounds<C> {
     fn rule_here(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
         let (id, probe) = (self.id(k), &self.choice.probes[k as usize]);
         let here = Here { mesh, cavity: self.served.cavity_at(&self.served.inside(id)) };
-        let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &here));
-        debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref()));
+        let past = self.past(&probe.what);
+        let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &here), &past);
+        debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref(), &past));
         // Without candidates of the boundary it does not matter who else is near.
         let all = match &watch {
             Some(_) if self.choice.has_boundary && !self.has_turns(mesh) => {
@@ -347,7 +350,8 @@ impl<C: Rules> Rounds<C> {
             return (Verdict::Is(Outcome::Fits(Filled::default())), None);
         };
         let closure = Collected::of(&told.closure);
-        let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &closure));
+        let past = self.past(&probe.what);
+        let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &closure), &past);
         (verdict, watch.map(Waits::Told))
     }
 
@@ -364,7 +368,7 @@ impl<C: Rules> Rounds<C> {
             What::Item(_) => true,
         };
         let outcome = match verdict {
-            Verdict::Refuse => return self.give_up(mesh, k),
+            Verdict::Blocked => return self.give_up(mesh, k),
             Verdict::Is(Outcome::Fits(_)) if !has_own => None,
             Verdict::Is(outcome) => Some(outcome),
             Verdict::Useless => None,
@@ -388,8 +392,9 @@ impl<C: Rules> Rounds<C> {
             self.conclude(k, outcome);
             return self.report(mesh, k);
         }
-        if !fits && is_item {
-            // A boundary item that waits for others is in nobody's way. (R24.)
+        if !fits && (is_item || matches!(outcome, Outcome::Refused(_))) {
+            // A boundary item that waits for others is in nobody's way, nor is what is refused.
+            // (R24.)
             self.drop_parts(k);
             return self.conclude(k, outcome);
         }

@@ -1,7 +1,7 @@
 //! Rounds by a worker in each process of a team: all begin from the same start, and the first one
 //! puts together what they leave, as it does with threads.
 
-use super::{Ending, Left, Resumed, RoundNode, ThreadedRounds, begin, join, left_by};
+use super::{Ending, Left, MOST_CIRCLES, Resumed, RoundNode, ThreadedRounds, begin, join, left_by};
 use crate::mesh::share::{Share, put_back, share_of};
 use crate::mesh::{SharedInput, VertexName};
 use crate::protocol::Correct;
@@ -13,7 +13,7 @@ use ltbw_core::CancelToken;
 use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_exact::Mode;
-use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, Parted, Refiner, Start};
+use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, Refiner, Start};
 
 /// A worker's part and the work that it leaves, as they travel.
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -34,6 +34,8 @@ impl Parcel {
         let regions = slots.iter().map(region).collect();
         let number = |t: TetId| slots.binary_search(&t).ok().map(TetId::at);
         left.thin = left.thin.into_iter().filter_map(number).collect();
+        let tets = left.refused_tets.into_iter();
+        left.refused_tets = tets.filter_map(|(t, why)| Some((number(t)?, why))).collect();
         Self { share, made: part.made, regions, left, stats }
     }
 }
@@ -128,24 +130,15 @@ impl<P: Post> Member<'_, '_, P> {
             let (handed, ending, slots) = join(all, common, before, &mut resumed.figures)?;
             firsts = slots;
             resumed.figures.ended += 1;
-            if ending != Ending::Circles {
+            if ending != Ending::Circles || resumed.figures.ended >= MOST_CIRCLES {
                 self.team.tell_value(Some(None::<(Start, Resumed)>)).map_err(of_team)?;
                 break (delegated.finish(handed)?, Ok(ending));
             }
-            match delegated.part_circles(handed)? {
-                Parted::Again(again, asked, candidates) => {
-                    delegated = *again;
-                    resumed = Resumed { asked, candidates, figures: resumed.figures };
-                    let (_, start) = delegated.complex()?;
-                    let again: Again = Some((start, resumed));
-                    let told = self.team.tell_value(Some(again)).map_err(of_team)?;
-                    resumed = told.map(|(_, resumed)| resumed).unwrap_or_default();
-                }
-                Parted::Finished(refined) => {
-                    self.team.tell_value(Some(None::<(Start, Resumed)>)).map_err(of_team)?;
-                    break (*refined, Ok(ending));
-                }
-            }
+            let left = delegated.part_circles(handed)?;
+            let (_, start) = delegated.complex()?;
+            let again: Again = Some((start, Resumed { left, figures: resumed.figures }));
+            let told = self.team.tell_value(Some(again)).map_err(of_team)?;
+            resumed = told.map(|(_, resumed)| resumed).unwrap_or_default();
         };
         let (owners, figures) = (Owners(firsts), resumed.figures);
         Ok(ThreadedRounds { refined, workers, owners, ending, figures })

@@ -6,7 +6,7 @@ use super::serve::describe;
 use crate::refining::domain::{DomainMesh, WallRegion};
 use crate::refining::news::point;
 use ltbw_core::topology::TetId;
-use ltbw_refine::{BoundaryItem, Collected, ItemPlace, Ruling, Survey, Surveyed, Watch};
+use ltbw_refine::{BoundaryItem, Collected, ItemPlace, Past, Ruling, Survey, Surveyed, Watch};
 use std::collections::BTreeSet;
 
 /// The verdict on a probe's point.
@@ -15,8 +15,9 @@ pub(super) enum Verdict {
     Is(Outcome),
     /// It does not do what it was made for; another one may.
     Useless,
-    /// It cannot be.
-    Refuse,
+    /// Its tetrahedron cannot be split, since the point would take a subface out of the mesh that
+    /// may not be split: from then on others are refused for that.
+    Blocked,
 }
 
 impl Probe {
@@ -29,15 +30,17 @@ impl Probe {
         Survey::of(&mesh.complex, closure, &point(&self.to), self.carrier)
     }
 
-    /// The verdict on its point by a survey of its closure, and what makes it wait for others.
+    /// The verdict on its point by a survey of its closure and its past, and what makes it wait for
+    /// others.
     pub(super) fn rule<R: Surveyed>(
         &self,
         mesh: &DomainMesh<'_>,
         survey: &Survey<'_, R>,
+        past: &Past,
     ) -> (Verdict, Option<Watch<R::Tet>>) {
         let ruling = match &self.what {
             What::Tet(..) => survey.rule_on_tet(),
-            What::Item(item) => survey.rule_on_item(item, self.may),
+            What::Item(item) => survey.rule_on_item(item, self.may, past),
         };
         match ruling {
             Ruling::Fill(filled) => {
@@ -47,12 +50,18 @@ impl Probe {
                 };
                 (Verdict::Is(Outcome::Fits(filled)), watch)
             }
-            Ruling::Defer(first) => match first.first() {
-                Some(&first) => (Verdict::Is(self.what.asks(mesh, first)), None),
-                None => (Verdict::Useless, None),
+            Ruling::Defer(first) if first.is_empty() => (Verdict::Useless, None),
+            Ruling::Defer(first) => match self.what.asks(mesh, &first, past) {
+                Outcome::Refused(_)
+                    if matches!(self.what, What::Tet(..))
+                        && survey.loses_refused(&self.what.under_limit(mesh, past)) =>
+                {
+                    (Verdict::Blocked, None)
+                }
+                outcome => (Verdict::Is(outcome), None),
             },
             Ruling::Useless => (Verdict::Useless, None),
-            Ruling::Refuse => (Verdict::Refuse, None),
+            Ruling::Refuse(reason) => (Verdict::Is(Outcome::Refused(reason)), None),
         }
     }
 
@@ -62,12 +71,13 @@ impl Probe {
         here: &Here<'_, '_>,
         verdict: &Verdict,
         watch: Option<&Watch<TetId>>,
+        past: &Past,
     ) -> bool {
         let order = here.listed();
         let mut told = Told::default();
         told.add(here.mesh.me(), &describe(here.mesh, &order, self.carrier));
         let closure = Collected::of(&told.closure);
-        let (by_values, other) = self.rule(here.mesh, &self.survey(here.mesh, &closure));
+        let (by_values, other) = self.rule(here.mesh, &self.survey(here.mesh, &closure), past);
         let sorted = |verdict: &Verdict| match verdict {
             Verdict::Is(Outcome::Fits(filled)) => {
                 let walls: BTreeSet<_> = filled.relabelled.iter().map(WallRegion::of).collect();

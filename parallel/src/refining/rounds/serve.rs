@@ -8,7 +8,7 @@ use crate::refining::domain::DomainMesh;
 use crate::refining::news::{INFINITE_CORNER, ProbeId, WireClosure, WireCorner, point};
 use ltbw_core::expect;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
-use ltbw_refine::{Carrier, Corner, Rank, Rival};
+use ltbw_refine::{Carrier, Rank, Rival};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
@@ -289,11 +289,6 @@ impl Served {
     }
 }
 
-/// A corner of a tetrahedron here.
-pub(super) fn corner(mesh: &DomainMesh<'_>, v: VertexId) -> Corner {
-    Corner { point: mesh.point(v), carrier: mesh.carrier(v) }
-}
-
 /// The vertices of a tetrahedron in the closure of a point with this carrier, if they matter: if
 /// two are on the boundary, or of a boundary item one, as its own corners have to be found; where
 /// there are patches all do.
@@ -302,6 +297,8 @@ fn told_of(mesh: &DomainMesh<'_>, t: TetId, carrier: Carrier) -> Option<[VertexI
     let least = match carrier {
         _ if mesh.complex.has_patches() => 0,
         Carrier::Free => 2,
+        // Limits are about all vertices around.
+        _ if mesh.complex.has_angles() => 0,
         _ => 1,
     };
     (v.iter().filter(|&&v| mesh.is_bound(v)).count() >= least).then_some(v)
@@ -324,7 +321,7 @@ pub(super) fn describe(
         let v = told_of(mesh, t, carrier).unwrap_or([INFINITE; 4]).map(|v| match v {
             INFINITE => INFINITE_CORNER,
             v => *places.entry(v).or_insert_with(|| {
-                found.corners.push(WireCorner::new(&corner(mesh, v)));
+                found.corners.push(WireCorner::new(&mesh.corner(v)));
                 found.corners.len() as u32 - 1
             }),
         });

@@ -4,7 +4,7 @@ use super::candidate::{ChosenPoint, Probe};
 use super::contest::Conductor;
 use super::demands::{Demands, Pending};
 use super::found::Ahead;
-use super::keys::SharedKeys;
+use super::keys::{Foremost, SharedKeys};
 use super::mail::Mail;
 use super::serve::Served;
 use super::tree::Tree;
@@ -16,10 +16,9 @@ use crate::protocol::{
     BlockId, Correct, Directory, Item, Rules, Source, Standing, Submesh, WorkerId,
 };
 use crate::refining::domain::{DomainMesh, DomainPoint};
-use crate::refining::news::{DomainNews, Fate, KeysTold, Sums};
+use crate::refining::news::{DomainNews, Fate, KeysTold, Sums, WireLimit};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
-use ltbw_refine::{Asked, BoundaryItem, ItemPlace};
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeSet, VecDeque};
 use std::marker::PhantomData;
 
 /// Why no round follows.
@@ -104,6 +103,8 @@ pub(super) struct Choice {
     pub(super) fits: i64,
     /// If candidates have turns: what becomes of them, once the conductor has told.
     pub(super) fates: Option<Option<Vec<Fate>>>,
+    /// If the conductor is to tell which of these are probed: the foremost tetrahedra.
+    pub(super) entered: Option<Vec<Foremost>>,
     /// By the number of an entrant: its probe, of the last attempt.
     pub(super) current: Vec<u32>,
 }
@@ -129,6 +130,8 @@ pub(super) struct Budget {
     /// Points inserted so far, by all, those before the rounds included.
     pub(super) total: i64,
     pub(super) most: i64,
+    /// The other vertices.
+    pub(super) others: i64,
 }
 
 /// One worker's part in rounds.
@@ -153,6 +156,8 @@ pub struct Rounds<C = Correct> {
     pub(super) mail: Mail,
     pub(super) created: Vec<TetId>,
     pub(super) budget: Budget,
+    /// The transactions of joint steps in rounds so far.
+    pub(super) spent: usize,
     /// Is a probe of this worker one that rounds do not know what to do with?
     pub(super) is_irregular: bool,
     pub(super) is_cancelled: bool,
@@ -165,10 +170,11 @@ pub struct Rounds<C = Correct> {
 pub(super) type Start = Option<(TetId, [VertexId; 4])>;
 
 impl<C: Rules> Rounds<C> {
-    /// The start of rounds in a submesh; `total` points of `most` were inserted before.
+    /// The start of rounds in a submesh; `total` points of `most` were inserted before, and there
+    /// are `others`.
     pub(super) fn new(
         (me, workers, blocks_each): (WorkerId, u32, u32),
-        (total, most): (u64, u64),
+        [total, most, others]: [u64; 3],
         mesh: &DomainMesh<'_>,
     ) -> Self {
         let most = i64::try_from(most).unwrap_or(i64::MAX);
@@ -189,7 +195,8 @@ impl<C: Rules> Rounds<C> {
             counts: Counts::default(),
             mail: Mail::default(),
             created: mesh.inner.tets().tets().map(|(t, _)| t).collect(),
-            budget: Budget { counted: 0, total: total as i64, most },
+            budget: Budget { counted: 0, total: total as i64, most, others: others as i64 },
+            spent: 0,
             is_irregular: false,
             is_cancelled: false,
             ending: None,
@@ -202,49 +209,6 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn expect_tets(&mut self, tets: usize) {
         self.keys.own.expect_tets(tets);
         self.served.expect_tets(tets);
-    }
-
-    /// Goes on where others were: items to be split, candidates when last counted, figures.
-    pub(super) fn resume(
-        &mut self,
-        mesh: &DomainMesh<'_>,
-        asked: &[Asked],
-        candidates: usize,
-        figures: RoundFigures,
-    ) {
-        self.budget.counted = candidates as i64;
-        self.figures = figures;
-        let items: BTreeMap<ItemPlace, BoundaryItem> =
-            asked.iter().map(|own| (own.item.place(), own.item)).collect();
-        for Asked { item, first, limit } in asked {
-            let (item, first, limit, place) = (*item, *first, *limit, item.place());
-            let keeper = self.keeper(mesh, &item);
-            if keeper == self.me {
-                self.demands.pending.insert(place, Pending { item, first, limit, near: None });
-            }
-            if let Some(other) = first.and_then(|first| items.get(&first))
-                && self.keeper(mesh, other) == self.me
-            {
-                self.demands.waiters.entry(other.place()).or_default().push((keeper, place));
-            }
-        }
-    }
-
-    /// The boundary items that are left, the candidates when last counted, the tetrahedra that may
-    /// have tiny dihedral angles, how the rounds have ended, and figures.
-    pub(super) fn into_parts(
-        self,
-        mesh: &DomainMesh<'_>,
-    ) -> (Vec<Pending>, usize, Vec<TetId>, Option<Ending>, RoundFigures) {
-        let (pending, thin) =
-            (self.demands.pending.into_values().collect(), self.keys.into_thin(mesh));
-        (
-            pending,
-            usize::try_from(self.budget.counted).unwrap_or(0),
-            thin,
-            self.ending,
-            self.figures,
-        )
     }
 
     /// Asks the processor to fetch the cavities of the next points to insert. A hint: they may have
@@ -363,7 +327,8 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             Stage::Choosing
                 if !C::awaits_reservations()
                     && self.choice.open == 0
-                    && self.choice.fates.is_none() =>
+                    && self.choice.fates.is_none()
+                    && self.choice.entered.is_none() =>
             {
                 self.begin_to_decide(mesh);
                 self.end_decisions();
@@ -415,7 +380,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             DomainNews::Part { number, end, found, foreign } => {
                 self.take_part(mesh, directory, from, number, (end, found, foreign));
             }
-            DomainNews::Entrants(entrants) => self.take_entrants(from, entrants),
+            DomainNews::Entrants(entrants) => self.take_entrants(mesh, from, entrants),
             DomainNews::Launch(numbers) => self.take_launch(numbers),
             DomainNews::Report(report) => self.take_report(from, report),
             DomainNews::Fates(fates) => self.choice.fates = Some(Some(fates)),
@@ -439,13 +404,14 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             DomainNews::Ask { item, limit, waiter } => {
                 self.counts.asks -= 1;
                 let waiter = waiter.map(|place| (from, place));
-                let (item, limit) = (item.item(), limit.map(f64::from_bits));
+                let (item, limit) = (item.item(), limit.map(WireLimit::limit));
                 self.demands.asked.push((Pending { item, first: None, limit, near: None }, waiter));
             }
             DomainNews::Gone(place) => {
                 self.counts.asks -= 1;
                 self.demands.gone.push(place);
             }
+            DomainNews::Refused(told) => self.take_refusals(told),
             DomainNews::Release(place) => {
                 self.counts.releases -= 1;
                 self.demands.released.push(place);

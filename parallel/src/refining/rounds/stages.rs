@@ -16,6 +16,7 @@
 //! others, so it takes two waves that are equal.
 
 use super::candidate::What;
+use super::demands::Settled;
 use super::keys::Foremost;
 use super::source::{Ending, Rounds, Stage};
 use super::tree::{SENT, Step, TAKEN, is_quiet};
@@ -39,7 +40,7 @@ const NEWS: usize = 9;
 
 /// The numbers of values along a Hilbert curve through their places. (Nothing is done on other
 /// threads: these have workers of their own.)
-fn along_curve(places: impl Iterator<Item = Point>) -> impl Iterator<Item = usize> {
+pub(super) fn along_curve(places: impl Iterator<Item = Point>) -> impl Iterator<Item = usize> {
     let places: Vec<Point> = places.collect();
     let (low, high) = bounding_box(&places);
     Curve::of_box(low, high).order(&places).into_iter().map(|k| k as usize)
@@ -119,8 +120,9 @@ impl<C: Rules> Rounds<C> {
         match self.stage {
             Stage::Counting => true,
             Stage::Choosing => {
-                // In turns the conductor has to have said what becomes of all.
-                let is_told = !matches!(self.choice.fates, Some(None));
+                // The conductor has to have said who is probed, and in turns what becomes of all.
+                let is_told =
+                    !matches!(self.choice.fates, Some(None)) && self.choice.entered.is_none();
                 is_told && self.choice.open == 0 && self.choice.to_launch.is_empty()
             }
             Stage::Inserting => standing.is_passive && self.points.chosen.is_empty(),
@@ -152,7 +154,7 @@ impl<C: Rules> Rounds<C> {
                 for (place, count) in CHOSEN.into_iter().zip(self.points.by_class) {
                     sums[place] = count;
                 }
-                sums[NEWS] = self.demands.asked.len() as i64;
+                sums[NEWS] = self.demands.asked.len() as i64 + self.demands.refused.count;
                 sums[FOREMOST] = self.choice.foremost.unwrap_or(0);
             }
             Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => {}
@@ -260,7 +262,7 @@ impl<C: Rules> Rounds<C> {
             self.choice.to_launch.push_back(k);
         }
         self.choice.has_boundary = has_boundary;
-        self.choice.foremost = None;
+        (self.choice.foremost, self.choice.entered) = (None, None);
         if has_tets {
             self.add_foremost(mesh);
         }
@@ -272,6 +274,9 @@ impl<C: Rules> Rounds<C> {
     /// The tetrahedra that come before all around them are to be probed.
     fn add_foremost(&mut self, mesh: &DomainMesh<'_>) {
         let foremost = self.keys.foremost::<C>(mesh);
+        if self.has_leaders(mesh) {
+            return self.enter_foremost(mesh, foremost);
+        }
         self.choice.foremost = Some(foremost.iter().map(Vec::len).sum::<usize>() as i64);
         // Candidates at interface faces come first: others are waited for there.
         for list in &foremost {
@@ -318,10 +323,12 @@ impl<C: Rules> Rounds<C> {
         }
         self.points.by_class = [0; 3];
         self.points.starts.clear();
-        for (keeper, waiter) in self.demands.settle() {
+        let Settled { waited, refused } = self.demands.settle();
+        for (keeper, waiter) in waited {
             self.counts.releases += 1;
             self.send(keeper, DomainNews::Release(waiter));
         }
+        self.tell_refusals(&refused);
         self.demands.release();
         self.stage = Stage::Looking;
         // R21: one that has not waited for the others is told now.
@@ -331,7 +338,7 @@ impl<C: Rules> Rounds<C> {
                 return self.end(Ending::Done);
             }
         }
-        // Every round inserts a point or asks for something.
+        // Every round inserts a point, asks for something or refuses it.
         if all == 0 && sums[NEWS] == 0 {
             self.end(Ending::Irregular);
         }

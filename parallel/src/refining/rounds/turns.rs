@@ -46,6 +46,9 @@ impl<C: Rules> Rounds<C> {
     /// The conductor has these probed. Their numbers are along a curve.
     pub(super) fn take_launch(&mut self, mut numbers: Vec<u32>) {
         numbers.sort_unstable();
+        if let Some(entered) = self.choice.entered.take() {
+            return self.probe_leaders(&entered, &numbers);
+        }
         self.choice.open += numbers.len();
         self.choice.to_launch.extend(numbers);
     }
@@ -93,10 +96,6 @@ impl<C: Rules> Rounds<C> {
         let Some(turn) = self.choice.probes[from as usize].turn.take() else { return };
         self.choice.current[turn.number as usize] = to;
         self.choice.probes[to as usize].turn = Some(turn);
-        // Of an item one search counts.
-        if matches!(self.choice.probes[from as usize].what, What::Item(_)) {
-            self.choice.probes[from as usize].was_searched = false;
-        }
     }
 
     /// A probe has ended: tells the conductor what it has found.
@@ -111,6 +110,7 @@ impl<C: Rules> Rounds<C> {
         let verdict = match &probe.outcome {
             Outcome::Open | Outcome::Dropped => Reported::Nothing,
             Outcome::Asks(..) => Reported::Asks,
+            Outcome::Refused(_) => Reported::Refused,
             Outcome::Fits(filled) => Reported::Fits { is_alone: filled.is_alone },
         };
         let watch = probe.waits.take().map(|waits| match (*waits, &probe.told) {

@@ -1,6 +1,5 @@
 //! Straight ways to proposed points, through one worker's tetrahedra.
 
-use super::serve::corner;
 use crate::protocol::Handle;
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{Bits, PartEnd, WireItem};
@@ -58,7 +57,7 @@ impl View for DomainMesh<'_> {
         if !is_bound {
             return None;
         }
-        let corners = v.map(|v| corner(self, v));
+        let corners = v.map(|v| self.corner(v));
         self.complex.side_of(&corners, slot, || labels_at(self, t, slot))
     }
 
@@ -91,7 +90,7 @@ pub(super) fn walk_way(
     if let Some((slot, beyond)) = by
         && mesh.complex.has_patches()
     {
-        let corners = mesh.inner.tets().vertices(t).map(|v| corner(mesh, v));
+        let corners = mesh.inner.tets().vertices(t).map(|v| mesh.corner(v));
         let labels = [mesh.region(t), beyond];
         if let Some(item) = mesh.complex.side_of(&corners, slot, || Some(labels)) {
             return WayEnd::Not(PartEnd::Blocked(WireItem::new(&item)));

@@ -19,7 +19,7 @@ impl SharedKeys {
         mesh: &DomainMesh<'_>,
         directory: &Directory,
     ) -> Told {
-        let mut news = BTreeMap::new();
+        let (mut news, tets) = (BTreeMap::new(), mesh.inner.tets());
         for &block in self.blocks.keys() {
             let memory = || self.spare.pop().unwrap_or_default();
             news.entry(directory.owner(block)).or_insert_with(memory);
@@ -30,7 +30,20 @@ impl SharedKeys {
                 && let Some(rank) = self.rank::<C>(mesh, t)
             {
                 let told = news.entry(directory.owner(beyond.block)).or_default();
-                told.push((beyond.name, beyond.face, rank));
+                told.push((beyond.name, beyond.face, Some(rank)));
+            }
+        }
+        for (t, v) in std::mem::take(&mut self.withdrawn) {
+            // R31.
+            if !mesh.has((t, v)) || !C::withdraws_ranks() {
+                continue;
+            }
+            let places = tets.neighbours(t).map(|face| tets.far_place(tet_of(face)));
+            for place in places.into_iter().flatten() {
+                if let Some(Some(Interface { beyond, .. })) = self.interface.get(place as usize) {
+                    let told = news.entry(directory.owner(beyond.block)).or_default();
+                    told.push((beyond.name, beyond.face, None));
+                }
             }
         }
         news.into_iter().map(|(to, ranks)| (to, KeysTold::Ranks(ranks))).collect()
@@ -90,7 +103,7 @@ impl SharedKeys {
             KeysTold::Ranks(mut ranks) => {
                 for (name, face, rank) in ranks.drain(..) {
                     let Some((t, far)) = self.far_face(mesh, (name, face)) else { continue };
-                    far.rank = Some(rank);
+                    far.rank = rank;
                     self.touch(t);
                 }
                 keep(&mut self.spare, ranks);

@@ -7,11 +7,11 @@ use super::*;
 use crate::check::{NewsNumbers, check_news, count_news};
 use crate::mesh::Layout;
 use crate::protocol::{Action, Config, Correct, Event, Message, Source};
-use crate::refining::news::{NEWS_KINDS, WireItem};
+use crate::refining::news::{NEWS_KINDS, WireItem, WireLimit};
 use ltbw_core::MeshHash;
 use ltbw_domain::{PrepareOptions, Prepared};
 use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
-use ltbw_refine::{Carrier, Corner, Refined, Refiner};
+use ltbw_refine::{Carrier, Corner, Limit, Refined, Refiner};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Waves after which a message that is late comes.
@@ -67,7 +67,7 @@ impl<'c> Late<'c> {
         };
         let under_way = |kinds: [&str; 2]| kinds.map(|kind| self.news.of(kind)).iter().sum();
         let counts = [counted(|c| c.notes), counted(|c| c.asks), counted(|c| c.releases)];
-        let all = [["Void", "WantRivals"], ["Ask", "Gone"], ["Release", ""]];
+        let all = [["Void", "WantRivals"], ["Ask", "Gone"], ["Release", "Refused"]];
         assert_eq!(counts, all.map(under_way), "notes, asks, releases; late {}", self.kind);
     }
 
@@ -189,7 +189,7 @@ fn a_budget_is_used_up_to_the_last_point() {
         for (most, ending) in [(9, None), (8, None), (7, Some(Ending::Budget))] {
             let mesh = nodes[0].mesh_mut();
             let place = (WorkerId::default(), 2, 1);
-            let mut source = Rounds::<Correct>::new(place, (5, most), mesh);
+            let mut source = Rounds::<Correct>::new(place, [5, most, 0], mesh);
             source.stage = Stage::Choosing;
             source.end_choice(mesh, &sums);
             assert_eq!(source.ending, ending, "5 points, 3 candidates, {most} at most");
@@ -212,14 +212,15 @@ fn of_several_limits_for_one_item_the_smallest_holds() {
     let item = BoundaryItem::new(&[corner(0.0, 0), corner(4.0, 1)], 0);
     let [first, second] =
         [1, 2].map(|k| BoundaryItem::new(&[corner(0.0, 0), corner(9.0, k)], k).place());
-    let orders = [[0.5, 0.25, 0.75], [0.75, 0.5, 0.25], [0.25, 0.75, 0.5]];
+    let all = |least| Limit { least, along: None };
+    let orders = [[0.5, 0.25, 0.75], [0.75, 0.5, 0.25], [0.25, 0.75, 0.5]].map(|own| own.map(all));
     let mut asked = 0;
     let run = rounds_by(&refiner, (&ready.domain, &ready.lattice), layout, |mut nodes| {
         for (limits, is_pending) in orders.into_iter().flat_map(|all| [(all, false), (all, true)]) {
             let directory = nodes[0].directory().clone();
             let mesh = nodes[0].mesh_mut();
             let place = (WorkerId::default(), 3, 1);
-            let mut source = Rounds::<Correct>::new(place, (0, u64::MAX), mesh);
+            let mut source = Rounds::<Correct>::new(place, [0, u64::MAX, 0], mesh);
             let [own, others @ ..] = limits;
             if is_pending {
                 let own = Pending { item, first: None, limit: Some(own), near: None };
@@ -233,13 +234,13 @@ fn of_several_limits_for_one_item_the_smallest_holds() {
             for (from, limit, waiter) in
                 [(1, Some(others[0]), first), (2, None, second), (2, Some(others[1]), second)]
             {
-                let (item, limit) = (WireItem::new(&item), limit.map(f64::to_bits));
+                let (item, limit) = (WireItem::new(&item), limit.map(WireLimit::new));
                 let news = DomainNews::Ask { item, limit, waiter: Some(waiter) };
                 source.hear(mesh, &directory, WorkerId::new(from), news);
             }
             source.settle(&[0; SUMS]);
             let kept = &source.demands.pending[&item.place()];
-            assert_eq!(kept.limit, Some(0.25), "{limits:?}, {is_pending}");
+            assert_eq!(kept.limit, Some(all(0.25)), "{limits:?}, {is_pending}");
             let waiters = &source.demands.waiters[&item.place()];
             let expected = [(1, first), (2, second), (2, second)];
             assert_eq!(waiters[..], expected.map(|(w, place)| (WorkerId::new(w), place)));

@@ -1,0 +1,64 @@
+//! The work that workers are given at the start of their rounds, and leave at the end.
+
+use super::Left;
+use super::demands::Pending;
+use super::source::{RoundFigures, Rounds};
+use crate::protocol::Rules;
+use crate::refining::domain::DomainMesh;
+use ltbw_core::topology::INFINITE;
+use ltbw_refine::{Asked, BoundaryItem, ItemPlace, Refusal, Remaining, TetPlace};
+use std::collections::BTreeMap;
+
+impl<C: Rules> Rounds<C> {
+    /// Goes on where others were: with what they have left, and figures.
+    pub(super) fn resume(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        left: &Remaining,
+        figures: RoundFigures,
+    ) {
+        self.budget.counted = left.candidates as i64;
+        (self.figures, self.spent) = (figures, left.spent);
+        let asked = &left.asked;
+        let items: BTreeMap<ItemPlace, BoundaryItem> =
+            asked.iter().map(|own| (own.item.place(), own.item)).collect();
+        for Asked { item, first, limit } in asked {
+            let (item, first, limit, place) = (*item, *first, *limit, item.place());
+            let keeper = self.keeper(mesh, &item);
+            if keeper == self.me {
+                self.demands.pending.insert(place, Pending { item, first, limit, near: None });
+            }
+            if let Some(other) = first.and_then(|first| items.get(&first))
+                && self.keeper(mesh, other) == self.me
+            {
+                self.demands.waiters.entry(other.place()).or_default().push((keeper, place));
+            }
+        }
+        self.demands.refused.all.extend(left.refused.iter().copied());
+        if left.refused_tets.is_empty() {
+            return;
+        }
+        let refused: BTreeMap<TetPlace, Refusal> = left.refused_tets.iter().copied().collect();
+        let all = mesh.inner.tets();
+        let finite = all.tets().map(|(t, _)| (t, all.vertices(t)));
+        let finite = finite.filter(|(_, v)| !v.contains(&INFINITE));
+        let place = |own: &[_; 4]| TetPlace::of(own.map(|v| mesh.point(v)));
+        self.keys
+            .refuse_again(finite.filter_map(|(t, v)| Some(((t, v), *refused.get(&place(&v))?))));
+    }
+
+    /// The work that is left.
+    pub(super) fn into_left(self, mesh: &DomainMesh<'_>) -> Left {
+        let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
+        Left {
+            worker: self.me,
+            asked: self.demands.pending.into_values().map(left).collect(),
+            refused: self.demands.refused.all.into_iter().collect(),
+            refused_tets: self.keys.refused(mesh),
+            candidates: usize::try_from(self.budget.counted).unwrap_or(0),
+            thin: self.keys.thin(mesh),
+            ending: self.ending,
+            figures: self.figures,
+        }
+    }
+}
