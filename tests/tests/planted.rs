@@ -4,7 +4,9 @@
 
 use ltbw::{Builder, Point, PointSet};
 use ltbw_tests::families::{Rng, Size, all, grid, scaled, snapped, spheres, uniform, wide};
-use ltbw_tests::plant::{Deal, PLANTS, Subject, try_plant, try_plant_elements, try_plant_in_parts};
+use ltbw_tests::plant::{
+    Among, Deal, PLANTS, Subject, try_plant, try_plant_elements, try_plant_in_parts,
+};
 use ltbw_verify::Depth;
 
 /// Places tried for each plant on each mesh, until it has grown at [`ENOUGH`] places.

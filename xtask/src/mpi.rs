@@ -212,10 +212,12 @@ impl Bench {
         let check = words_of(&["check", "parts.pvtu", "--certificate", "alone.json"]);
         let checked = self.ltbw(&check)?;
         let what = format!("{} in {count} parts", input.name);
-        match (outcome.code, checked.code) {
-            (Some(0), Some(0)) => Ok(println!("{what}: read back")),
-            codes => Err(format!("{what}: {codes:?}\n{}{}", outcome.stderr, checked.stderr)),
+        if [outcome.code, checked.code] != [Some(0); 2] {
+            let codes = [outcome.code, checked.code];
+            return Err(format!("{what}: {codes:?}\n{}{}", outcome.stderr, checked.stderr));
         }
+        println!("{what}: read back");
+        Ok(())
     }
 
     /// A job of this many processes, whose program is still to be named.

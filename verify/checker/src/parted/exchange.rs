@@ -164,7 +164,7 @@ pub(crate) fn member_of(numbers: &[u32], members: usize) -> usize {
         let mixed = (mixed ^ u64::from(n)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         mixed ^ mixed >> 29
     });
-    ((mixed >> 32) * members as u64 >> 32) as usize
+    (((mixed >> 32) * members as u64) >> 32) as usize
 }
 
 /// Values of each member that say where stretches are cut.
