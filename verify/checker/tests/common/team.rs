@@ -12,6 +12,9 @@ pub(crate) enum Lost {
     Ended,
 }
 
+/// The exchange whose bytes are changed, and by what.
+type Garbler = (usize, fn(&mut Vec<u8>));
+
 /// One member of a team.
 pub(crate) struct Member {
     me: usize,
@@ -20,7 +23,7 @@ pub(crate) struct Member {
     from: Vec<Receiver<Vec<u8>>>,
     /// The exchanges so far, and the one whose bytes are changed, by what.
     exchanges: usize,
-    garbler: Option<(usize, fn(&mut Vec<u8>))>,
+    garbler: Option<Garbler>,
 }
 
 impl Member {
