@@ -80,9 +80,10 @@ pub(crate) fn slivers_text(refined: &Refined, ready: &Prepared) -> Option<String
         _ => format!(", {forced} of them at small angles of the domain"),
     };
     let near = first.near.map_or(String::new(), |reason| format!(": {reason}"));
+    let count = all.len();
     Some(format!(
-        "{} tetrahedra have a dihedral angle below {} degrees{forced}; the least is {} near {}{near}",
-        all.len(),
+        "{count} tetrahedra have a dihedral angle below {} degrees{forced}; the least is {} near \
+         {}{near}",
         refined.stats.min_dihedral,
         short(first.angle, 3),
         told(ready, refined.centroid(first.tet))

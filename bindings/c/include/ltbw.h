@@ -260,8 +260,8 @@ typedef struct ltbw_wishes {
    */
   double excused_share;
   /*
-   Tetrahedra with a dihedral angle of less than so many degrees are split where a point serves,
-   at most 12. 0: 8, as the program does; below 0: none is. Nothing is done without a bound on
+   Degrees, at most 12: tetrahedra with a smaller dihedral angle are split where a point
+   serves. 0: 8, as the program does; below 0: none is. Nothing is done without a bound on
    `radius_edge`.
    */
   double min_dihedral;

@@ -104,8 +104,8 @@ pub struct Wishes {
     /// whose certificate does not say `failed`, at most 0.05. 0: 0.01, as the program does; below
     /// 0: none.
     pub excused_share: f64,
-    /// Tetrahedra with a dihedral angle of less than so many degrees are split where a point serves,
-    /// at most 12. 0: 8, as the program does; below 0: none is. Nothing is done without a bound on
+    /// Degrees, at most 12: tetrahedra with a smaller dihedral angle are split where a point
+    /// serves. 0: 8, as the program does; below 0: none is. Nothing is done without a bound on
     /// `radius_edge`.
     pub min_dihedral: f64,
 }

@@ -1,5 +1,6 @@
 //! The driver: recover the boundary, find the regions, split what is over its bounds.
 
+mod bounds;
 mod budget;
 mod complex;
 mod delegated;
@@ -10,12 +11,10 @@ pub use delegated::{Asked, Delegated, Handed, Remaining};
 
 use crate::RefineError;
 use crate::complex::carrier::{Carrier, UNIT};
-use crate::complex::dihedral::DihedralBound;
-use crate::complex::measure::{RatioBound, VolumeBound};
 use crate::complex::patch::{DISSOLVED, Unfound};
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
-use crate::mesh::bounds::{Bounds, SizeField, check_limits, check_tolerance};
+use crate::mesh::bounds::{SizeField, check_limits, check_tolerance};
 use crate::mesh::item::{Item, Queues};
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::{Lengths, State};
@@ -130,8 +129,8 @@ impl<'a> Refiner<'a> {
         self
     }
 
-    /// Splits tetrahedra with a dihedral angle of less than so many degrees, at most 12, when all
-    /// other bounds are met, as far as points are found that leave none such and break no bound; 0
+    /// Splits tetrahedra with a dihedral angle below this, in degrees, at most 12, when all other
+    /// bounds are met, as far as points are found that leave none such and break no bound; 0
     /// leaves them. By default 8. Nothing is done without a bound of shape.
     pub fn min_dihedral(mut self, degrees: f64) -> Self {
         self.min_dihedral = degrees;
@@ -373,32 +372,6 @@ impl<'a> Refiner<'a> {
             run.put_all();
         }
         Ok(Ok((run, regions)))
-    }
-
-    /// The bound on dihedral angles: none without a bound of shape.
-    fn dihedral(&self) -> Option<DihedralBound> {
-        let is_asked = self.radius_edge.is_some() && self.min_dihedral > 0.0;
-        is_asked.then(|| DihedralBound::new(self.min_dihedral))
-    }
-
-    fn bounds(&self, regions: &[RegionInfo], lattice: &Lattice) -> Bounds<'a> {
-        let step = lattice.fine_step();
-        let volume = |region: &RegionInfo| {
-            let own = region.max_volume.filter(|&v| v > 0.0);
-            let both = match (own, self.max_volume) {
-                (Some(a), Some(b)) => Some(a.min(b)),
-                (a, b) => a.or(b),
-            };
-            // Exact: the step is a power of two.
-            both.map(|v| VolumeBound::new(v / step / step / step))
-        };
-        Bounds {
-            ratio: self.radius_edge.map(RatioBound::new),
-            dihedral: self.dihedral(),
-            volumes: regions.iter().map(volume).collect(),
-            field: self.field,
-            fine_step: step,
-        }
     }
 }
 

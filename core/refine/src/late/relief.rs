@@ -266,7 +266,7 @@ struct Tally {
 }
 
 impl Tally {
-    /// Those of a star.
+    /// The numbers of a star.
     fn of(star: impl Iterator<Item = Made>, bounds: &Bounds<'_>) -> Self {
         let mut all = Self::default();
         for Made { corners, region } in star {
@@ -303,8 +303,8 @@ fn towards(corners: &[Point; 4], centre: &Point, bound: f64) -> [Point; WAY.len(
 }
 
 impl State {
-    /// What is in the open cavity of what the target asks for, if it has the target, and the point
-    /// makes fewer, none of which is far worse. For the sake of bounds those over their bounds
+    /// The numbers of the open cavity, if it has the target, and the point makes fewer of what the
+    /// target asks for, none of which is far worse. For the sake of bounds those over their bounds
     /// count, and once more those with tiny angles of these before, of all afterwards.
     fn relieves(&self, target: &Target, place: &Place, bounds: &Bounds<'_>) -> Option<Tally> {
         let state = self;

@@ -29,8 +29,8 @@ pub struct Refined {
     /// The tetrahedra over a bound; not looked for if the outcome is [`RefineOutcome::Cancelled`].
     pub excuses: Vec<Excuse>,
     /// The slivers that are left: tetrahedra of the domain with a dihedral angle below
-    /// [`Refiner::min_dihedral`](crate::Refiner::min_dihedral) that no point divides without leaving
-    /// another one; not looked for if the outcome is [`RefineOutcome::Cancelled`].
+    /// [`Refiner::min_dihedral`](crate::Refiner::min_dihedral) that no point divides without
+    /// leaving another one; not looked for if the outcome is [`RefineOutcome::Cancelled`].
     pub slivers: Vec<Sliver>,
     /// Boundary items that are not in the mesh, each with the reason why it could not be split;
     /// none unless the outcome is [`RefineOutcome::Unrecovered`].

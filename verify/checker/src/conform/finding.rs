@@ -120,8 +120,8 @@ pub struct Conformity {
     /// depend on the machine.
     #[doc(hidden)]
     pub steps: u64,
-    /// The tetrahedra below the least dihedral angle, if there is such a limit. As for all bounds,
-    /// those between the triangles of one patch are left out.
+    /// The tetrahedra below the least dihedral angle, if there is such a limit; those between
+    /// the triangles of one patch, too, which are in no other bound.
     pub below_dihedral: Option<SmallAngles>,
     /// The exact volume; `None` if coordinates are too fine.
     pub volume: Option<Fraction>,

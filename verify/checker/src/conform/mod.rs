@@ -307,6 +307,9 @@ impl Run<'_> {
             let (mut found, mut small) = (Vec::new(), Found::new(self.limit));
             for t in range {
                 let corners = self.mesh.tets[t].map(|v| points[v as usize]);
+                if let Some(bound) = least {
+                    small.add(t as u32, &bound.of_whole(corners));
+                }
                 // A tetrahedron between the triangles of one patch has no shape to speak of.
                 let [a, b, c, d] = self.mesh.tets[t].map(|v| &on_patches[v as usize]);
                 let is_flat = a.iter().any(|k| b.contains(k) && c.contains(k) && d.contains(k));
@@ -319,9 +322,6 @@ impl Run<'_> {
                 let volumes = [general, regions.get(&cells[t]).copied()];
                 if volumes.into_iter().flatten().any(|b| bounds::volume_exceeds(corners, b)) {
                     found.push((ConformityDefect::VolumeExceeded, t as u32));
-                }
-                if let Some(bound) = least {
-                    small.add(t as u32, &bound.of_whole(corners));
                 }
             }
             (found, small)
