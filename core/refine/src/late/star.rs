@@ -33,8 +33,8 @@ impl InMesh<'_> {
         })
     }
 
-    /// These tetrahedra as far as they are known before the changes are, for a point that is to
-    /// split tetrahedron `target`: dust that a point inside takes is inside then, too; what the point of
+    /// The star as far as it is known before the changes are, for a point that is to split
+    /// tetrahedron `target`: dust that a point inside takes is inside then, too; what the point of
     /// a patch leaves on it is not told.
     pub(crate) fn likely_star<'p>(
         &'p self,
