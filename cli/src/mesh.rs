@@ -269,7 +269,8 @@ fn ending(job: &Job<'_>, refined: &Refined, ready: &Prepared) -> Exit {
     let share = refined.excused_share();
     let is_little = share.is_within(job.excused_share);
     if let Some(text) = excused::slivers_text(refined, ready) {
-        let word = if share.flat > 0 { "ltbw: flat" } else { "note" };
+        let is_alone = share.flat > 0 && refined.outcome == RefineOutcome::Met;
+        let word = if is_alone { "ltbw: flat" } else { "note" };
         console::people(&format!("{word}: {text}"));
     }
     let (exit, word) = match refined.outcome {

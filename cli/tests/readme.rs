@@ -41,6 +41,10 @@ fn its_example_commands_are_understood() {
     let dir = tempfile::tempdir().unwrap();
     let points = ltbw(dir.path(), &["generate", "uniform", "50", "-o", "points.npy"]);
     assert_eq!(points.code, 0, "{}", points.stderr);
+    let path = dir.path().join("points.npy");
+    let mut few = ltbw::io::read_points(&path).unwrap();
+    few.points.truncate(5);
+    ltbw::io::write_points(dir.path().join("gone.npy"), &few).unwrap();
     for example in examples {
         // Two blanks separate a command from what is said of it.
         let command = example.split("  ").next().unwrap();

@@ -79,7 +79,7 @@ fn check(name: &str, ready: &Prepared, volume: f64, run: &SimulatedDomain) {
     let inserted = run.started as u64 + splits.inserted.iter().sum::<u64>();
     // Slivers, and what relieves small angles.
     let late = run.refined.mesh().num_vertices() as u64 - inserted;
-    assert!(late >= run.refined.stats.round_points && late * 20 < inserted, "{name}: {late}");
+    assert!(late >= run.refined.stats.round_points && late * 10 < inserted, "{name}: {late}");
 }
 
 struct Run {

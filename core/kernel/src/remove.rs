@@ -133,8 +133,13 @@ impl Mesh {
         before
     }
 
-    /// Says that a kernel vertex is in no tetrahedron any more.
+    /// Says that a kernel vertex is in no tetrahedron any more. The last one is as if it had never
+    /// been, so that what is undone leaves no gaps.
     pub(crate) fn leave(&mut self, v: VertexId) {
+        if v.index() + 1 == self.numbers.len() {
+            self.numbers.pop();
+            return;
+        }
         self.numbers[v.index()] = VACANT;
         self.vacant.push(v);
     }

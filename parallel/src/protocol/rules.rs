@@ -77,13 +77,8 @@ rules! {
     /// R28: a point that changes a patch brings along the regions that tetrahedra at some walls of
     /// its cavity get in place of those that they would inherit.
     fn labels_walls;
-    /// R29: of tetrahedra whose circumspheres are nearly equal, at small angles, one is probed,
-    /// whoever has them.
-    fn shares_leaders;
-    /// R30: before the next round all know which boundary items were refused in this one.
+    /// R29: before the next round all know which boundary items were refused in this one.
     fn tells_refusals;
-    /// R31: that a tetrahedron at an interface face is refused is told beyond it: it has no rank.
-    fn withdraws_ranks;
 }
 
 /// The protocol as it ships.

@@ -131,10 +131,6 @@ variants! {
     R27 checks_ahead: RashChoice, "cavity found ahead taken as it was";
     /// The boundary at a patch is where regions change: it is torn, or elsewhere.
     R28 labels_walls: Unlabelled, "regions inherited at a patch that changes";
-    /// Many tetrahedra are split of which one point would have done for all.
-    R29 shares_leaders: Leaderless, "all of nearly equal spheres probed";
     /// A tetrahedron asks in vain for an item that cannot be split.
-    R30 tells_refusals: SilentKeeper, "refusals not told";
-    /// A tetrahedron that cannot be split keeps those beyond from being split.
-    R31 withdraws_ranks: LastingRank, "the rank of what is refused stays";
+    R29 tells_refusals: SilentKeeper, "refusals not told";
 }

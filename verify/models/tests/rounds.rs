@@ -153,6 +153,5 @@ fn refusals_with_a_broken_rule_are_caught() {
             assert_eq!(run::<Correct>(case, of), Ok(()), "{of:?}");
         }
     }
-    // No run is known yet that catches R29 or R31, broken.
     caught(Defect::SilentKeeper, &all[..1]);
 }

@@ -30,8 +30,8 @@ use ltbw_exact::Point;
 pub(crate) const REGIONS: [(u32, f64); 2] = [(16, 0.5), (32, 0.9)];
 
 impl Refinement<'_> {
-    /// The slivers that a point may serve, in the order of their coordinates: none in a collar, or
-    /// on a tip, where the domain asks for small angles.
+    /// The slivers that a point may serve, in the order of their coordinates: none in a collar, where
+    /// the domain asks for small angles.
     pub(crate) fn slivers(&mut self) -> Vec<Thin> {
         let (state, thin) = (&self.state, &mut self.inserted.thin.tets);
         let Some(bounds) = &self.bounds else { return Vec::new() };
@@ -39,8 +39,7 @@ impl Refinement<'_> {
             return Vec::new();
         }
         thin.retain(|&(t, v)| state.is_live(t, v));
-        let is_open =
-            |t: TetId, v| state.is_sliver(t, bounds) && state.asks_for_shape(v, bounds).is_none();
+        let is_open = |t: TetId, v| state.is_sliver(t, bounds) && !state.is_in_collar(v, bounds);
         let mut slivers: Vec<Thin> = thin.iter().copied().filter(|&(t, v)| is_open(t, v)).collect();
         slivers.sort_by_cached_key(|&(t, v)| state.place_of(Item::Tet(t, v)));
         slivers.dedup();
@@ -90,6 +89,10 @@ impl State {
         };
         let sliver = |(tet, v)| Sliver { tet, angle: angle(v), near: near(v) };
         left.into_iter().map(sliver).collect()
+    }
+
+    fn is_in_collar(&self, v: [VertexId; 4], bounds: &Bounds<'_>) -> bool {
+        bounds.ratio.is_some_and(|bound| self.collar(v, bound.value()).is_some())
     }
 
     /// Is a tetrahedron in a region, and has it a dihedral angle below the bound?

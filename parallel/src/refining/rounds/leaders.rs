@@ -25,9 +25,7 @@ impl<C: Rules> Rounds<C> {
         for list in &foremost {
             for k in along_curve(list.iter().map(|own| own.at)) {
                 let Foremost { t, v, .. } = list[k];
-                // R29.
                 let group = mesh.complex.group_of(v.map(|v| mesh.point(v)));
-                let group = group.filter(|_| C::shares_leaders());
                 entrants.push(Entrant { rank: rank_of::<C>(mesh, v), tet: Some(t), group });
                 entered.push(list[k]);
             }

@@ -47,7 +47,7 @@ impl<C: Rules> Rounds<C> {
 
     /// Tells all others which items of this keeper are refused, or are not any more.
     pub(super) fn tell_refusals(&mut self, told: &[(ItemPlace, Option<Refusal>)]) {
-        // R30.
+        // R29.
         if told.is_empty() || !C::tells_refusals() {
             return;
         }

@@ -34,8 +34,7 @@ impl SharedKeys {
             }
         }
         for (t, v) in std::mem::take(&mut self.withdrawn) {
-            // R31.
-            if !mesh.has((t, v)) || !C::withdraws_ranks() {
+            if !mesh.has((t, v)) {
                 continue;
             }
             let places = tets.neighbours(t).map(|face| tets.far_place(tet_of(face)));
