@@ -36,7 +36,7 @@ const LONG_FILES: &[&str] = &["core/exact/src/predicates/filter/generated.rs"];
 /// Lines of code that a reader of a part may have before him, at most: the kernel's auditor, and
 /// whoever ports the protocol. Folders, the file that neither reads, the number.
 const SIZES: &[(&[&str], &str, usize)] = &[
-    (&["core/exact", "core/kernel"], "core/exact/src/predicates/dihedral.rs", 8_350),
+    (&["core/exact", "core/kernel"], "core/exact/src/predicates/dihedral.rs", 8_400),
     (&["parallel/src/protocol"], "parallel/src/protocol/variants.rs", 1_845),
 ];
 

@@ -203,9 +203,9 @@ impl SharedKeys {
             self.refused.retain(|&own, _| mesh.has(own));
         }
         for (t, _) in self.withdrawn.clone().into_iter().filter(|&own| mesh.has(own)) {
-            for n in tets.neighbours(t).map(tet_of).into_iter().chain([t]) {
-                if self.is_beside(n) {
-                    self.touch(n);
+            for near in tets.neighbours(t).map(tet_of).into_iter().chain([t]) {
+                if self.is_beside(near) {
+                    self.touch(near);
                 }
             }
         }

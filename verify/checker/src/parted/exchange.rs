@@ -162,7 +162,7 @@ pub(crate) fn before<E: Exchange>(team: &mut E, own: u64) -> Result<[u64; 2], E:
 pub(crate) fn member_of(numbers: &[u32], members: usize) -> usize {
     let mixed = numbers.iter().fold(0_u64, |mixed, &n| {
         let mixed = (mixed ^ u64::from(n)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        mixed ^ mixed >> 29
+        mixed ^ (mixed >> 29)
     });
     (((mixed >> 32) * members as u64) >> 32) as usize
 }

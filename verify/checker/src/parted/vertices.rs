@@ -121,7 +121,7 @@ pub(super) fn meet<E: Exchange>(
     }
     match told.next() {
         None => Ok(Vertices { numbers, stretch: places, count, given: given_points, left_out }),
-        Some(_) => Err(team.nonsense(0, "fewer numbers than vertices")),
+        Some(_) => Err(team.nonsense(team.members() - 1, "fewer numbers than vertices")),
     }
 }
 
