@@ -144,6 +144,16 @@ impl Mesh {
         self.vacant.push(v);
     }
 
+    /// Enters vertices that no tetrahedron has yet, with numbers from `first` on. They follow each
+    /// other behind all others, whatever places are vacant.
+    pub(crate) fn enter_in_a_row(&mut self, first: Vertex, points: impl Iterator<Item = Point>) {
+        let vacant = std::mem::take(&mut self.vacant);
+        for (p, k) in points.zip(0..) {
+            self.enter(p, first.wrapping_add(k));
+        }
+        self.vacant = vacant;
+    }
+
     fn forget(&mut self, number: Vertex) {
         if let Some(numbering) = self.numbering.get_mut() {
             numbering.forget(number);

@@ -245,12 +245,7 @@ impl Mesh {
         let Batch { number, count, chosen } = batch;
         let first = self.numbers.len();
         let vertex = |k: usize| VertexId::at(first + k);
-        // All follow each other, whatever places are vacant.
-        let vacant = std::mem::take(&mut self.vacant);
-        for k in 0..count {
-            self.enter(chosen(k).p, number.wrapping_add(k as u32));
-        }
-        self.vacant = vacant;
+        self.enter_in_a_row(number, (0..count).map(|k| chosen(k).p));
         // Nothing in the memory of a larger mesh is for this one.
         if lanes.claims.len() > self.topology.slots() {
             *lanes = Lanes::default();

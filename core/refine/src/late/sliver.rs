@@ -30,8 +30,8 @@ use ltbw_exact::Point;
 pub(crate) const REGIONS: [(u32, f64); 2] = [(16, 0.5), (32, 0.9)];
 
 impl Refinement<'_> {
-    /// The slivers that a point may serve, in the order of their coordinates: none in a collar, where
-    /// the domain asks for small angles.
+    /// The slivers that a point may serve, in the order of their coordinates: none in a collar,
+    /// where the domain asks for small angles.
     pub(crate) fn slivers(&mut self) -> Vec<Thin> {
         let (state, thin) = (&self.state, &mut self.inserted.thin.tets);
         let Some(bounds) = &self.bounds else { return Vec::new() };
