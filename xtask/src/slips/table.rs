@@ -90,11 +90,11 @@ pub(super) const SLIPS: &[Slip] = &[
     ),
     seen(
         5,
-        "of two limits for one item the larger holds",
+        "of two limits for one item the later holds",
         &[Edit {
             file: "parallel/src/refining/rounds/demands.rs",
-            right: "Some(a.min(b))",
-            wrong: "Some(a.max(b))",
+            right: "Some(a.or(b))",
+            wrong: "Some(b)",
         }],
         "of_several_limits_for_one_item_the_smallest_holds",
         "parallel/src/refining/rounds/stages/tests.rs",
