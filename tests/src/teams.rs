@@ -1,9 +1,7 @@
 //! Teams of threads whose letters are bytes: what processes do, in one process.
 
 use ltbw::protocol::WorkerId;
-use ltbw::team::{Kind, Post, Team, TeamError, Threads, threads};
-use ltbw::wire::WireError;
-use ltbw_verify::Exchange;
+use ltbw::team::{Kind, Post, Team, Threads, threads};
 use std::time::Duration;
 
 /// Runs every member of a team on a thread of its own; what comes of it, by member.
@@ -86,37 +84,4 @@ pub fn recorded(
         let all: Vec<_> = threads(members).into_iter().map(run).collect();
         all.into_iter().map(|thread| thread.join().expect("no member panics")).collect()
     })
-}
-
-/// The way of the checker, which knows nothing of teams.
-#[derive(Debug)]
-pub struct Judge<'t, P>(pub &'t mut Team<P>);
-
-impl<P: Post> Exchange for Judge<'_, P> {
-    type Error = TeamError;
-
-    fn me(&self) -> usize {
-        self.0.me().index()
-    }
-
-    fn members(&self) -> usize {
-        self.0.size() as usize
-    }
-
-    fn exchange(&mut self, parts: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>, TeamError> {
-        self.0.exchange(parts)
-    }
-
-    fn in_turn(
-        &mut self,
-        first: Vec<u8>,
-        own: &mut dyn FnMut(Vec<u8>) -> Vec<u8>,
-    ) -> Result<Vec<u8>, TeamError> {
-        self.0.in_turn(first, |before| Ok(own(before)))
-    }
-
-    fn nonsense(&self, from: usize, what: &'static str) -> TeamError {
-        let (from, reason) = (WorkerId::new(from as u32), what.to_owned());
-        WireError { from, at: 0, length: 0, reason }.into()
-    }
 }

@@ -5,9 +5,10 @@ use ltbw::distributed::{self, Hashed, Part};
 use ltbw::io::{self, Arrays, PartOf, Piece};
 use ltbw::team::{Post, Team};
 use ltbw::{Builder, CancelToken, Point, PointSet, TetMesh, canonical_hash};
+use ltbw_cli::ranks::Judge;
 use ltbw_generate::{PointKind, generate};
 use ltbw_tests::families::{Family, Size, all};
-use ltbw_tests::teams::{Judge, on_team};
+use ltbw_tests::teams::on_team;
 use ltbw_verify as verify;
 
 /// The tetrahedra of a mesh by the input's numbers, in one order whatever the parts.

@@ -8,4 +8,4 @@
 mod options;
 mod team;
 
-pub use team::{Ended, run};
+pub use team::{Ended, Judge, run};

@@ -175,7 +175,8 @@ fn of_rank(rank: u32, why: &str) -> String {
 }
 
 /// The way of the checker, which knows nothing of teams.
-struct Judge<'t, P>(&'t mut Team<P>);
+#[derive(Debug)]
+pub struct Judge<'t, P>(pub &'t mut Team<P>);
 
 impl<P: Post> verify::Exchange for Judge<'_, P> {
     type Error = TeamError;

@@ -283,9 +283,41 @@ fn scale(value: f64, exponent: i32) -> f64 {
     value * power_of_two(half) * power_of_two(exponent - half)
 }
 
+/// Whole numbers that ascend as the coordinates of a point do; `-0.0` is `0.0`.
+#[inline]
+#[must_use]
+pub fn ascending(p: &Point) -> [u64; 3] {
+    // In rounding to nearest, -0.0 + 0.0 is 0.0; nothing else changes.
+    p.map(|c| match (c + 0.0).to_bits() {
+        bits if bits & SIGN == 0 => bits | SIGN,
+        bits => !bits,
+    })
+}
+
+/// The point of such numbers.
+#[inline]
+#[must_use]
+pub fn of_ascending(numbers: [u64; 3]) -> Point {
+    numbers.map(|own| f64::from_bits(if own & SIGN == 0 { !own } else { own ^ SIGN }))
+}
+
+/// The sign of a number among its bits.
+const SIGN: u64 = 1 << 63;
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_ascend_as_coordinates_do_and_come_back() {
+        let all = [f64::MIN, -1.5, -f64::MIN_POSITIVE, -5e-324, 0.0, 5e-324, 1.0, f64::MAX];
+        let keys: Vec<[u64; 3]> = all.iter().map(|&c| ascending(&[c; 3])).collect();
+        assert!(keys.is_sorted() && keys.windows(2).all(|pair| pair[0] != pair[1]));
+        for (key, c) in keys.iter().zip(all) {
+            assert_eq!(of_ascending(*key).map(f64::to_bits), [c.to_bits(); 3]);
+        }
+        assert_eq!(ascending(&[-0.0; 3]), ascending(&[0.0; 3]));
+    }
     use proptest::prelude::*;
 
     fn bits(points: &[Point]) -> Vec<[u64; 3]> {

@@ -2,6 +2,7 @@
 
 use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
+use ltbw_exact::points::{ascending, of_ascending};
 
 /// A place, in the coordinates of the mesh, where something that the refinement has made could not
 /// be split. Places are in the order of x, y, z.
@@ -9,22 +10,15 @@ use ltbw_exact::Point;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spot([u64; 3]);
 
-/// The sign of a number among its bits.
-const SIGN: u64 = 1 << 63;
-
 impl Spot {
     /// The spot at a point.
     pub fn new(p: Point) -> Self {
-        // Bits in the order of numbers; -0 is 0.
-        Self(p.map(|c| match (c + 0.0).to_bits() {
-            bits if bits & SIGN == 0 => bits | SIGN,
-            bits => !bits,
-        }))
+        Self(ascending(&p))
     }
 
     /// The point.
     pub fn point(self) -> Point {
-        self.0.map(|bits| f64::from_bits(if bits & SIGN == 0 { !bits } else { bits ^ SIGN }))
+        of_ascending(self.0)
     }
 }
 

@@ -12,6 +12,7 @@ use crate::protocol::WorkerId;
 use crate::team::{Post, Team, TeamError};
 use ltbw_core::MeshHash;
 use ltbw_exact::Point;
+use ltbw_exact::points::{ascending, of_ascending};
 use rayon::prelude::*;
 
 /// The hash of a whole mesh, and its size.
@@ -27,20 +28,6 @@ pub struct Hashed {
 
 /// A place, as numbers that ascend as its coordinates do.
 type Key = [u64; 3];
-
-/// The numbers of a place; `-0.0` is `0.0`.
-fn key(p: &Point) -> Key {
-    // In rounding to nearest, -0.0 + 0.0 is 0.0; nothing else changes.
-    p.map(|c| match (c + 0.0).to_bits() {
-        bits if bits >> 63 == 0 => bits | 1 << 63,
-        bits => !bits,
-    })
-}
-
-/// The place of such numbers.
-fn place(key: Key) -> Point {
-    key.map(|c| f64::from_bits(if c >> 63 == 1 { c & !(1 << 63) } else { !c }))
-}
 
 /// Computes `ltbw.mesh/1` of the mesh that the parts of all members are; all get it.
 ///
@@ -74,7 +61,7 @@ fn hash_whole<P: Post>(team: &mut Team<P>, part: &Part) -> Result<Hashed, TeamEr
     let tets = sum(&counts);
 
     let state = feed(team, HashStream::new(vertices).state(), |stream| {
-        stream.coordinates(stretch.iter().map(|&key| place(key)));
+        stream.coordinates(stretch.iter().map(|&key| of_ascending(key)));
     })?;
     let is_first = team.is_first();
     let state = feed(team, state, |stream| {
@@ -100,7 +87,7 @@ struct Numbered {
 /// Numbers the vertices of all parts by their coordinates; those at one place are one.
 fn numbered<P: Post>(team: &mut Team<P>, points: &[Point]) -> Result<Numbered, TeamError> {
     let mut sorted: Vec<(Key, u32)> =
-        points.par_iter().map(key).zip(0..points.len() as u32).collect();
+        points.par_iter().map(ascending).zip(0..points.len() as u32).collect();
     sorted.par_sort_unstable();
     let keys: Vec<Key> = sorted.iter().map(|&(key, _)| key).collect();
     let asked = stretch_of(team, &keys)?;
@@ -163,20 +150,4 @@ fn feed<P: Post>(
 fn stream_of(from: WorkerId, state: &[u8]) -> Result<HashStream, TeamError> {
     let stream = HashStream::of_state(state);
     Ok(stream.ok_or_else(|| refused(from, [0, state.len()], "no state of a hash"))?)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn keys_ascend_as_coordinates_do_and_come_back() {
-        let all = [f64::MIN, -1.5, -f64::MIN_POSITIVE, -5e-324, 0.0, 5e-324, 1.0, f64::MAX];
-        let keys: Vec<Key> = all.iter().map(|&c| key(&[c; 3])).collect();
-        assert!(keys.is_sorted() && keys.windows(2).all(|pair| pair[0] != pair[1]));
-        for (key, c) in keys.iter().zip(all) {
-            assert_eq!(place(*key).map(f64::to_bits), [c.to_bits(); 3]);
-        }
-        assert_eq!(key(&[-0.0; 3]), key(&[0.0; 3]));
-    }
 }

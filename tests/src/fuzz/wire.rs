@@ -6,7 +6,6 @@
 //! the name of its sender. Neither takes more memory than a few times the letter's, as a nested or
 //! an announced length would.
 
-use crate::teams::Judge;
 use ltbw::distributed::{self, Part};
 use ltbw::mesh::LocalMesh;
 use ltbw::protocol::WorkerId;
@@ -15,6 +14,7 @@ use ltbw::team::{Kind, Post, Team, TeamError};
 use ltbw::transport::Mail;
 use ltbw::wire::{Wire, open};
 use ltbw::{Builder, Point, PointSet};
+use ltbw_cli::ranks::Judge;
 use ltbw_verify::{Options, check_parted};
 use std::time::Duration;
 

@@ -2,7 +2,8 @@
 
 use super::{Plant, Subject, TIES};
 use crate::families::Rng;
-use crate::teams::{Judge, on_team};
+use crate::teams::on_team;
+use ltbw_cli::ranks::Judge;
 use ltbw_verify::{Depth, Options, Part, Report, check_parted};
 
 /// A way to deal tetrahedra out.

@@ -24,7 +24,7 @@ pub(crate) fn sorted(points: &[Point]) -> Vec<u32> {
 }
 
 /// An integer that sorts as the finite number `x` does; `-0.0` equals `0.0`.
-fn ascending(x: f64) -> u64 {
+pub(crate) fn ascending(x: f64) -> u64 {
     // Adding zero turns -0.0 into 0.0 and changes nothing else.
     let bits = (x + 0.0).to_bits();
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }

@@ -84,6 +84,7 @@ pub(crate) fn sharpest([p, q, r, s]: [&Point; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::complex::measure::tests::point;
     use proptest::prelude::*;
 
     /// Does the test of four at once say that all dihedral angles are large? Never on a machine
@@ -94,19 +95,6 @@ mod tests {
         let thick = ltbw_core::test_bounds(&four, &volumes, Some(2.0), bound.thick())[2];
         assert!([0, 15].contains(&thick), "the same in all lanes: {thick:b}");
         thick == 15
-    }
-
-    /// Few-bit and full-size whole coordinates.
-    fn coordinate() -> impl Strategy<Value = f64> {
-        prop_oneof![
-            (-3i64..4).prop_map(|c| c as f64),
-            (-40i64..40).prop_map(|c| (c << 40) as f64),
-            (-(1i64 << 53)..=1 << 53).prop_map(|c| c as f64),
-        ]
-    }
-
-    fn point() -> impl Strategy<Value = Point> {
-        [coordinate(), coordinate(), coordinate()]
     }
 
     proptest! {

@@ -257,7 +257,7 @@ pub(crate) fn circumcircle(a: &Point, b: &Point, c: &Point) -> (Point, f64) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use ltbw_exact::predicates::orient3d;
     use proptest::prelude::*;
@@ -272,7 +272,7 @@ mod tests {
         ]
     }
 
-    fn point() -> impl Strategy<Value = Point> {
+    pub(in crate::complex) fn point() -> impl Strategy<Value = Point> {
         [coordinate(), coordinate(), coordinate()]
     }
 

@@ -29,6 +29,12 @@ use ltbw_exact::Point;
 /// circumcentre: fewer of a small part, then more of a larger one.
 pub(crate) const REGIONS: [(u32, f64); 2] = [(16, 0.5), (32, 0.9)];
 
+/// A circumsphere.
+pub(crate) struct Ball {
+    pub(crate) centre: Point,
+    pub(crate) radius: f64,
+}
+
 impl Refinement<'_> {
     /// The slivers that a point may serve, in the order of their coordinates: none in a collar,
     /// where the domain asks for small angles.
@@ -104,16 +110,21 @@ impl State {
         dihedral.is_missed(v.map(|v| self.at(v)).each_ref())
     }
 
-    /// The places inside that are tried for a sliver, in their order, each with the way there.
-    pub(crate) fn places_for(&self, t: TetId) -> impl Iterator<Item = Place> {
+    /// The circumsphere of a tetrahedron, rounded in an order that is always the same.
+    pub(crate) fn ball_of(&self, t: TetId) -> Option<Ball> {
         let corners = sorted(self.vertices(t).map(|v| self.at(v)));
         let [a, b, c, d] = &corners;
         let shape = Shape::of([a, b, c, d]);
-        let (radius, centre) = (shape.radius(), shape.circumcentre(d));
+        Some(Ball { centre: shape.circumcentre(d)?, radius: shape.radius() })
+    }
+
+    /// The places inside that are tried for a sliver, in their order, each with the way there.
+    pub(crate) fn places_for(&self, t: TetId, ball: &Ball) -> impl Iterator<Item = Place> {
+        let Ball { centre, radius } = *ball;
         let mut seed = 1;
         let all = REGIONS.into_iter().flat_map(|(tries, part)| (0..tries).map(move |_| part));
         all.filter_map(move |part| {
-            let (offset, centre) = (in_unit_ball(&mut seed), centre?);
+            let offset = in_unit_ball(&mut seed);
             let target = [0, 1, 2].map(|k| centre[k] + part * radius * offset[k]);
             let p = free_point(&target, radius * TOLERANCE)?;
             let Way::Arrived(from) = self.way(t, &p) else { return None };

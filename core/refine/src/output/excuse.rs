@@ -139,9 +139,8 @@ impl Refined {
                 *largest = (volume, tet);
             }
         }
-        let middle = |t: TetId| self.place(&Item::Tet(t, self.state.vertices(t))).1;
         let excused = |(reason, (tets, sum, (_, largest)))| {
-            let (volume, at) = (Sum::value(sum), middle(largest));
+            let (volume, at) = (Sum::value(sum), self.centroid(largest));
             Excused { reason, tets, volume, at }
         };
         let mut list: Vec<Excused> = all.into_iter().map(excused).collect();
@@ -158,9 +157,7 @@ impl Refined {
 
     /// The centroid of a tetrahedron, in the coordinates of the mesh.
     pub fn centroid(&self, t: TetId) -> Point {
-        let corners = sorted(self.state.vertices(t).map(|v| self.state.at(v)));
-        let step = 0.25 * self.lattice.fine_step();
-        [0, 1, 2].map(|k| corners.iter().map(|p| p[k]).sum::<f64>() * step)
+        self.place(&Item::Tet(t, self.state.vertices(t))).1
     }
 
     /// The volume of a tetrahedron, rounded, with its vertices in an order that is always the same.

@@ -6,9 +6,7 @@
 
 use super::batch::{Prober, Seen};
 use super::{CHECK_EVERY, Candidate, Look, Rounds};
-use crate::complex::measure::Shape;
 use crate::mesh::item::Item;
-use crate::mesh::key::sorted;
 use crate::mesh::state::Place;
 use crate::rules::aim::TOLERANCE;
 use crate::rules::verdict::{Filling, Verdict};
@@ -112,8 +110,9 @@ impl Rounds<'_, '_> {
     /// are beside it or keep points inside away; there at last in the balls of other items.
     fn serve(&self, t: TetId, prober: &mut Prober) -> Option<Served> {
         let state = &self.own.state;
+        let ball = state.ball_of(t)?;
         let (mut best, mut barred_by) = (Best::default(), Vec::new());
-        for place in state.places_for(t) {
+        for place in state.places_for(t, &ball) {
             best.take(self.try_inside(t, place, prober, &mut barred_by));
             if best.is_enough() {
                 break;
@@ -122,12 +121,9 @@ impl Rounds<'_, '_> {
         if best.served.is_some() {
             return best.served;
         }
-        let corners = sorted(state.vertices(t).map(|v| state.at(v)));
-        let [a, b, c, d] = &corners;
-        let shape = Shape::of([a, b, c, d]);
-        let (tolerance, centre) = (shape.radius() * TOLERANCE, shape.circumcentre(d)?);
+        let tolerance = ball.radius * TOLERANCE;
         let mut items = barred_by;
-        items.extend(state.beside(t, &centre, tolerance));
+        items.extend(state.beside(t, &ball.centre, tolerance));
         state.sort(&mut items);
         items.dedup();
         for gives_way in [true, false] {

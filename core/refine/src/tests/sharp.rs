@@ -330,6 +330,7 @@ fn needles_around_a_pole_stay_whole() {
         let refined = refine(&Refiner::new().start(start).flat_tolerance(1e-6), &ready);
         let slivers = &refined.slivers;
         assert!(slivers.len() <= 10, "{start}: {slivers:?}");
+        assert!(slivers.iter().all(|own| own.angle >= 1.0), "{start}: {slivers:?}");
         // There are 60 tips, and two have a tetrahedron in common only where it is flat.
         let excused = refined.excuses.len();
         assert!((60..=63).contains(&excused), "{start}: {excused}");

@@ -6,6 +6,7 @@ use super::exchange::{Exchange, Record, before, bytes_of, cuts, stretch, sums, v
 use super::found::{Corner, Found};
 use crate::defect::Kind;
 use crate::mesh::Point;
+use crate::places::ascending;
 use rayon::prelude::*;
 
 /// A vertex or a given point: its place, as numbers that ascend as coordinates do, and its number
@@ -27,10 +28,7 @@ impl Record for Place {
 
 /// A finite point as such a place; `-0.0` is `0.0`.
 fn key(p: &Point) -> [u64; 3] {
-    p.map(|c| match (c + 0.0).to_bits() {
-        bits if bits >> 63 == 0 => bits | 1 << 63,
-        bits => !bits,
-    })
+    p.map(ascending)
 }
 
 /// The coordinates of a place.
