@@ -198,6 +198,51 @@ fn torus(n: u32, m: u32) -> Domain {
 
 const FLAT: f64 = 5e-7;
 
+/// A bored flange of n sides, turned about the axis (1, 2, 3): its planes are planes up to
+/// rounding, and many of its corners are on one sphere.
+fn flange(n: u32, degrees: f64) -> Domain {
+    let profile = [[0.2, 0.0], [0.5, 0.0], [0.5, 0.1], [0.3, 0.1], [0.3, 0.8], [0.2, 0.8]];
+    let k = profile.len() as u32;
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    let axis = [1.0, 2.0, 3.0].map(|c: f64| c / 14.0_f64.sqrt());
+    let mut vertices = Vec::new();
+    for side in 0..n {
+        let (y, x) = (2.0 * PI * f64::from(side) / f64::from(n)).sin_cos();
+        for [r, z] in profile {
+            let p = [r * x, r * y, z];
+            let along = [0, 1, 2].map(|i| axis[i] * p[i]).iter().sum::<f64>() * (1.0 - cosine);
+            vertices.push([0, 1, 2].map(|k: usize| {
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                p[k] * cosine + (axis[i] * p[j] - axis[j] * p[i]) * sine + axis[k] * along
+            }));
+        }
+    }
+    let at = |side: u32, j: u32| side % n * k + j % k;
+    let quads = (0..n).flat_map(|side| (0..k).map(move |j| (side, j)));
+    let triangles: Vec<[u32; 3]> = quads
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    surface(vertices, &triangles)
+}
+
+/// One tetrahedron of four corners of a trapezoid, of some 1e-6 degrees, was left, since every point
+/// for it made tetrahedra over their bounds, which could have been split.
+#[test]
+fn nothing_flat_is_left_of_a_turned_flange() {
+    for (n, degrees) in [(8, 10.0), (8, 30.0), (12, 10.0), (16, 50.0), (24, 30.0)] {
+        let name = format!("flange of {n} sides, turned by {degrees} degrees");
+        let refiner = Refiner::new().flat_tolerance(FLAT);
+        let refined = certified_within(&flange(n, degrees), &refiner, None, FLAT, &name);
+        assert_eq!(refined.outcome, RefineOutcome::Met, "{name}");
+        assert_eq!(refined.slivers, [], "{name}");
+        let (angle, _) = shape(&refined);
+        assert!(angle >= 8.0, "{name}: {angle} degrees");
+    }
+}
+
 /// Folds of the last bit of a float were segments: dihedral angles of 1e-7 degrees, and twice the
 /// tetrahedra.
 #[test]

@@ -60,18 +60,19 @@ impl Refinement<'_> {
 
 impl Judge<'_> {
     /// The sharpest angle among the tetrahedra that a point makes with these changes, as the square
-    /// of its cosine; `None` if one is a sliver or over its bounds.
+    /// of its cosine; `None` if one is a sliver, or over its bounds where they are to be kept.
     pub(crate) fn sharpest_of_star(
         &self,
         place: &Place,
         changes: &[Change],
         bounds: &Bounds<'_>,
+        keeps_bounds: bool,
     ) -> Option<f64> {
         let dihedral = bounds.dihedral?;
         let mut most = 0.0f64;
         for Made { corners, region } in self.closure.star(place, changes) {
             let own = corners.each_ref();
-            if dihedral.is_missed(own) || bounds.are_over(own, region) {
+            if dihedral.is_missed(own) || keeps_bounds && bounds.are_over(own, region) {
                 return None;
             }
             most = most.max(sharpest(sorted(corners).each_ref()));
@@ -89,12 +90,15 @@ impl State {
         left.dedup();
         let named = |v| Some(self.reason_near(v)).filter(|reason| *reason != Reason::Rounding);
         let near = |v| self.asks_for_shape(v, bounds).or_else(|| named(v));
-        let angle = |v: [VertexId; 4]| {
-            let own = TetQuality::of(sorted(v.map(|v| self.at(v))).each_ref());
-            own.dihedral.into_iter().fold(f64::INFINITY, f64::min)
-        };
-        let sliver = |(tet, v)| Sliver { tet, angle: angle(v), near: near(v) };
+        let sliver = |(tet, v)| Sliver { tet, angle: self.least_angle(v), near: near(v) };
         left.into_iter().map(sliver).collect()
+    }
+
+    /// The smallest dihedral angle of a tetrahedron in degrees, rounded in an order that is always
+    /// the same.
+    pub(crate) fn least_angle(&self, v: [VertexId; 4]) -> f64 {
+        let own = TetQuality::of(sorted(v.map(|v| self.at(v))).each_ref());
+        own.dihedral.into_iter().fold(f64::INFINITY, f64::min)
     }
 
     fn is_in_collar(&self, v: [VertexId; 4], bounds: &Bounds<'_>) -> bool {

@@ -5,6 +5,7 @@
 use super::{Class, Next, Rounds};
 use crate::late::again::Asking;
 use crate::late::relief::Goal;
+use crate::output::share::ExcusedShare;
 use crate::thin::Thin;
 use ltbw_core::topology::TetId;
 
@@ -17,10 +18,12 @@ enum Step {
     /// Where many were refused at one corner they are asked for shorter edges.
     Insist,
     Slivers,
+    /// Slivers that are flat, at the price of others over their bounds.
+    Flat,
 }
 
-/// The late steps in their order.
-const STEPS: [Step; 7] = [
+/// The late steps in their order. What is flat is a matter of few, and bounded by its own steps.
+const STEPS: [Step; 13] = [
     Step::Retry,
     Step::Relief(Goal::Bounds),
     Step::Insist,
@@ -28,6 +31,12 @@ const STEPS: [Step; 7] = [
     Step::Relief(Goal::Angles),
     Step::Relief(Goal::Bounds),
     // Relief makes room.
+    Step::Slivers,
+    Step::Flat,
+    Step::Slivers,
+    Step::Flat,
+    Step::Slivers,
+    Step::Flat,
     Step::Slivers,
 ];
 
@@ -41,6 +50,8 @@ pub(super) struct Late {
     pub(super) asking: Asking,
     /// Slivers not yet looked at, when all else is done.
     pub(super) slivers: Option<Vec<Thin>>,
+    /// The points when flat ones were last looked for.
+    before: u64,
     /// The tetrahedra that may have tiny dihedral angles, if others have looked at all.
     pub(super) thin: Option<Vec<TetId>>,
 }
@@ -61,6 +72,15 @@ impl Rounds<'_, '_> {
                     self.late.slivers = None;
                     false
                 }
+                Step::Flat if self.has_flat() => return Some(Next::Round(Class::Slivers)),
+                Step::Flat => {
+                    self.late.slivers = None;
+                    // Where no point was made slivers would stay as they are.
+                    if self.own.inserted.points.total() == self.late.before {
+                        self.late.step = STEPS.len();
+                    }
+                    false
+                }
                 Step::Relief(goal) => {
                     self.late.step += 1;
                     return Some(Next::Relief(goal));
@@ -76,6 +96,23 @@ impl Rounds<'_, '_> {
             }
         }
         None
+    }
+
+    /// Is a point to be taken for a sliver whose own tetrahedra keep the bounds? They need not where
+    /// it is flat: what is over its bounds is split by the rounds that follow.
+    pub(super) fn keeps_bounds(&self) -> bool {
+        !matches!(STEPS.get(self.late.step), Some(Step::Flat))
+    }
+
+    /// Is a flat sliver left? They are looked for once in a step.
+    fn has_flat(&mut self) -> bool {
+        if self.late.slivers.is_none() {
+            let mut flat = self.own.slivers();
+            flat.retain(|&(_, v)| self.own.state.least_angle(v) < ExcusedShare::FLAT);
+            self.late.slivers = Some(flat);
+            self.late.before = self.own.inserted.points.total();
+        }
+        self.late.slivers.as_ref().is_some_and(|flat| !flat.is_empty())
     }
 
     /// Asks refused tetrahedra for shorter edges; `false` if there are none, or often enough.
