@@ -184,16 +184,18 @@ pub(crate) fn quality_json(quality: &Quality) -> Value {
         "radius_edge": histogram(&quality.radius_edge),
         "volume": histogram(&quality.volume),
         "edge": histogram(&quality.edge),
+        "least_scaled_jacobian": extreme(quality.scaled_jacobian),
         "small_dihedral": SMALL_ANGLES.iter().zip(quality.small).map(small).collect::<Vec<_>>(),
     })
 }
 
-/// The least and the largest dihedral angle and the worst ratio, in a line.
+/// The least and the largest dihedral angle, the least scaled Jacobian and the worst ratio, in a
+/// line.
 pub(crate) fn quality_line(quality: &Quality) -> String {
     let (d, r) = (&quality.dihedral, &quality.radius_edge);
     format!(
-        "quality   dihedral {:.2} to {:.2} degrees, radius-edge at most {:.4}",
-        d.least.value, d.largest.value, r.largest.value
+        "quality   dihedral {:.2} to {:.2} degrees, scaled Jacobian at least {:.4}, radius-edge at most {:.4}",
+        d.least.value, d.largest.value, quality.scaled_jacobian.value, r.largest.value
     )
 }
 

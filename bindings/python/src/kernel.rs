@@ -28,6 +28,8 @@ pub(crate) fn measures<'py>(py: Python<'py>, quality: &Quality) -> PyResult<Boun
     all.set_item("radius_edge", histogram(&quality.radius_edge)?)?;
     all.set_item("volume", histogram(&quality.volume)?)?;
     all.set_item("edge", histogram(&quality.edge)?)?;
+    let jacobian = quality.scaled_jacobian;
+    all.set_item("least_scaled_jacobian", (jacobian.value, jacobian.tet))?;
     let small: Vec<(f64, u64)> = SMALL_ANGLES.into_iter().zip(quality.small).collect();
     all.set_item("small_dihedral", small)?;
     Ok(all)

@@ -175,6 +175,8 @@ def test_a_mesh_is_judged_as_one_of_finite_elements(program, tmp_path):
         assert ("not_delaunay" in found.report["information_counts"]) == (not is_delaunay)
         assert found.quality["dihedral"]["least"][0] > 1
         assert found.quality["small_dihedral"] == [(1.0, 0), (5.0, 0)]
+        value, tet = found.quality["least_scaled_jacobian"]
+        assert 0 < value <= 1 and 0 <= tet < len(tets)
         assert ltbw.check(PYRAMIDS, tets, any_order=True, delaunay=True).passed == is_delaunay
     # Both ways of filling the body at once.
     doubled = ltbw.check(PYRAMIDS, TWO + THREE, any_order=True)

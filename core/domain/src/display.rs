@@ -53,10 +53,12 @@ impl fmt::Display for Histogram {
 impl fmt::Display for Quality {
     /// A line for each quantity, with its extremes.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { tets, dihedral, radius_edge, volume, edge, small: _ } = self;
+        let Self { tets, dihedral, radius_edge, volume, edge, scaled_jacobian, small: _ } = self;
         let tets =
             if *tets == 1 { "1 tetrahedron".to_owned() } else { format!("{tets} tetrahedra") };
-        write!(f, "{tets}\n{dihedral}\n{radius_edge}\n{volume}\n{edge}")
+        let least = scaled_jacobian.value;
+        write!(f, "{tets}\n{dihedral}\n{radius_edge}\n{volume}\n{edge}\n")?;
+        write!(f, "scaled Jacobian: at least {least:.4}")
     }
 }
 
@@ -88,7 +90,8 @@ mod tests {
                     dihedral angle, degrees: 54.7356 to 90.0000\n\
                     circumradius / shortest edge: 0.8660 to 0.8660\n\
                     volume: 0.1667 to 0.1667\n\
-                    edge length: 1.0000 to 1.4142";
+                    edge length: 1.0000 to 1.4142\n\
+                    scaled Jacobian: at least 0.7071";
         assert_eq!(quality.to_string(), text);
         let small = points.map(|p| p.map(|c| c * 1e-3));
         let quality = Quality::of(&small, &[[0, 1, 2, 3]]).expect("a tetrahedron");

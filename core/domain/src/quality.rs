@@ -47,6 +47,8 @@ pub struct Quality {
     pub volume: Histogram,
     /// Edge lengths, six for each tetrahedron.
     pub edge: Histogram,
+    /// The smallest scaled Jacobian.
+    pub scaled_jacobian: Extreme,
     /// For each of [`SMALL_ANGLES`], the tetrahedra with a smaller dihedral angle.
     pub small: [u64; 2],
 }
@@ -66,6 +68,9 @@ pub struct TetQuality {
     pub volume: f64,
     /// Edge lengths, in the order of the angles.
     pub edges: [f64; 6],
+    /// Six volumes over the largest product of the three edges at a corner, √2 times: 1 for a regular
+    /// tetrahedron, 0 for a flat one, never negative (Knupp 2003).
+    pub scaled_jacobian: f64,
 }
 
 /// Tetrahedra that one thread measures at a time.
@@ -82,6 +87,9 @@ fn lengths(corners: [&Point; 4]) -> [f64; 6] {
         dot(&d, &d).sqrt()
     })
 }
+
+/// The edges at each corner, by their places in [`EDGES`].
+const AT_CORNER: [[usize; 3]; 4] = [[0, 1, 2], [0, 3, 4], [1, 3, 5], [2, 4, 5]];
 
 /// The volume, never negative.
 fn volume(corners: [&Point; 4]) -> f64 {
@@ -111,7 +119,10 @@ impl TetQuality {
         let shortest = edges.into_iter().fold(f64::INFINITY, f64::min);
         let ratio = dot(&n, &n).sqrt() / (2.0 * det) / shortest;
         let radius_edge = if ratio.is_nan() { f64::INFINITY } else { ratio };
-        Self { dihedral, radius_edge, volume: det / 6.0, edges }
+        let products = AT_CORNER.map(|own| own.map(|k| edges[k]).into_iter().product::<f64>());
+        let most = products.into_iter().fold(0.0, f64::max);
+        let scaled_jacobian = if most > 0.0 { std::f64::consts::SQRT_2 * det / most } else { 0.0 };
+        Self { dihedral, radius_edge, volume: det / 6.0, edges, scaled_jacobian }
     }
 }
 
@@ -252,6 +263,7 @@ impl Quality {
             radius_edge: Histogram::new("circumradius / shortest edge", 0.6, 2.1, 30),
             volume: Histogram::new("volume", 0.0, largest, 30),
             edge: Histogram::new("edge length", 0.0, edge, 30),
+            scaled_jacobian: Extreme { value: f64::INFINITY, tet: 0 },
             small: [0; 2],
         };
         let share = |(k, list): (usize, &[[u32; 4]])| {
@@ -272,6 +284,9 @@ impl Quality {
         tet.edges.into_iter().for_each(|length| self.edge.add(length, t));
         self.radius_edge.add(tet.radius_edge, t);
         self.volume.add(tet.volume, t);
+        if tet.scaled_jacobian < self.scaled_jacobian.value {
+            self.scaled_jacobian = Extreme { value: tet.scaled_jacobian, tet: t };
+        }
         let least = tet.dihedral.into_iter().fold(f64::INFINITY, f64::min);
         self.small.iter_mut().zip(SMALL_ANGLES).for_each(|(n, a)| *n += u64::from(least < a));
     }
@@ -281,6 +296,9 @@ impl Quality {
         self.edge.merge(&later.edge);
         self.radius_edge.merge(&later.radius_edge);
         self.volume.merge(&later.volume);
+        if later.scaled_jacobian.value < self.scaled_jacobian.value {
+            self.scaled_jacobian = later.scaled_jacobian;
+        }
         self.small.iter_mut().zip(later.small).for_each(|(own, more)| *own += more);
     }
 
@@ -327,6 +345,7 @@ mod tests {
         let angle = (1.0f64 / 3.0).acos().to_degrees();
         assert!(q.dihedral.iter().all(|x| (x - angle).abs() < 1e-12), "{:?}", q.dihedral);
         assert!((q.radius_edge - 0.375f64.sqrt()).abs() < 1e-15);
+        assert!((q.scaled_jacobian - 1.0).abs() < 1e-15);
         assert!((q.volume - 8.0 / 3.0).abs() < 1e-15);
         assert!(q.edges.iter().all(|x| (x - 8f64.sqrt()).abs() < 1e-15));
         let corner = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -334,6 +353,8 @@ mod tests {
         let q = TetQuality::of([a, b, c, d]);
         assert!(q.dihedral[..3].iter().all(|x| (x - 90.0).abs() < 1e-12));
         assert!((q.dihedral[3] - (1.0f64 / 3f64.sqrt()).acos().to_degrees()).abs() < 1e-12);
+        // At the right angles √2, at the other corners √2 / 2: the smallest counts.
+        assert!((q.scaled_jacobian - 0.5f64.sqrt()).abs() < 1e-15);
         let points = [regular, corner].concat();
         let all = Quality::of(&points, &[[0, 1, 2, 3], [4, 5, 6, 7]]).expect("two tetrahedra");
         assert_eq!(all.dihedral.total(), 12);
@@ -367,12 +388,14 @@ mod tests {
         for h in [&mut all.dihedral, &mut all.radius_edge, &mut all.volume, &mut all.edge] {
             *h = Histogram::new(h.name, h.low, h.high, h.counts.len());
         }
+        all.scaled_jacobian = Extreme { value: f64::INFINITY, tet: 0 };
         for (t, tet) in tets.iter().enumerate() {
             all.add(t, &TetQuality::of(tet.map(|v| &points[v as usize])));
         }
         assert_eq!(whole, all);
         let volumes = tets.iter().map(|tet| volume(tet.map(|v| &points[v as usize])));
         assert_eq!(whole.volume.high, volumes.fold(0.0, f64::max));
+        assert!(whole.scaled_jacobian.tet < 13);
         assert!(whole.volume.largest.tet < 13 && whole.edge.least.tet < 13, "{whole:?}");
     }
 
@@ -381,6 +404,7 @@ mod tests {
         let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
         let all = Quality::of(&points, &[[0, 1, 2, 3]]).expect("a tetrahedron");
         assert!(all.radius_edge.largest.value.is_infinite());
+        assert_eq!(all.scaled_jacobian, Extreme { value: 0.0, tet: 0 });
         assert_eq!(all.volume.counts.iter().sum::<u64>(), 1);
     }
 }

@@ -212,8 +212,8 @@ class Mesh:
     @functools.cached_property
     def quality(self):
         """Histograms of ``dihedral`` (degrees), ``radius_edge``, ``volume``, ``edge``: each a dict with
-        ``low, high, counts`` and ``least, largest`` as (value, tetrahedron); ``small_dihedral``: the
-        tetrahedra below 1 and 5 degrees, as (angle, count)."""
+        ``low, high, counts`` and ``least, largest`` as (value, tetrahedron); ``least_scaled_jacobian``,
+        a pair, too; ``small_dihedral``: the tetrahedra below 1 and 5 degrees, as (angle, count)."""
         return self._kernel.quality()
 
     def find_simplex(self, xi):
