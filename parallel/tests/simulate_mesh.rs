@@ -2,6 +2,7 @@
 
 use ltbw::balance::Balance;
 use ltbw::mesh::{Layout, Ownership};
+use ltbw::metrics::Summary;
 use ltbw::protocol::{Closure, Config, Rule, WorkerId};
 use ltbw::simulate::{
     Bursts, CostModel, Distribution, MeshError, Meshed, Network, Options, RandomMigrations,
@@ -103,6 +104,29 @@ fn who_polls_seldom_has_the_same_mesh_with_fewer_polls() {
     let never = Options { poll_every: 0, ..options };
     let refused = simulate_mesh(&set, &one, Config::new(1), &never);
     assert!(matches!(refused, Err(MeshError::Simulation(SimulationError::Options(_)))));
+}
+
+/// Algorithm 2 polls on while there is nothing to do; a message then waits for the end of a look.
+#[test]
+fn who_has_nothing_to_do_looks_for_messages_where_that_costs() {
+    let set = PointSet::new(generate(PointKind::Uniform, 3000, 5)).expect("finite points");
+    let layout = Layout::new(set.len(), 4);
+    let with = |idle_poll| {
+        let costs = CostModel { idle_poll, ..CostModel::cow() };
+        let options = Options { costs, network: Network::cow(), balance: None, ..options(5) };
+        run(&set, layout, Rule::WoundWait, &options).summary
+    };
+    let (asleep, looking) = (with(0.0), with(33_000.0));
+    let vain = |run: &Summary| run.polls.total_time - run.polls.useful_time;
+    assert!(vain(&looking) > 2 * vain(&asleep), "{} {}", vain(&looking), vain(&asleep));
+    assert!(looking.makespan >= asleep.makespan);
+    let idle = |run: &Summary| run.workers.iter().map(|w| w.times.idle).sum::<u64>();
+    // What is left is the time between the ends of two workers.
+    assert!(100 * idle(&looking) < idle(&asleep), "{} {}", idle(&looking), idle(&asleep));
+    for worker in &looking.workers {
+        let vain = worker.polls.total_time - worker.polls.useful_time;
+        assert!(worker.times.idle_at_end <= worker.times.idle + vain);
+    }
 }
 
 #[test]

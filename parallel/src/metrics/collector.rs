@@ -157,6 +157,23 @@ impl Collector {
         self.span(begin, end, SpanKind::Poll, None);
     }
 
+    /// The worker had nothing to do from `begin` to `end` but to look for messages, so many times in
+    /// vain.
+    pub fn look_on(&mut self, begin: Nanos, end: Nanos, looks: u64) {
+        self.idle_until(begin);
+        let time = self.advance(end);
+        let waits = self.active > 0;
+        let times = &mut self.figures.times;
+        times.polling += time;
+        times.idle_active += if waits { time } else { 0 };
+        let polls = &mut self.figures.polls;
+        polls.total += looks;
+        polls.total_time += time;
+        self.idle_since_work += time;
+        self.count_active(time, waits);
+        self.span(begin, end, SpanKind::Poll, None);
+    }
+
     /// A message of `kind` with `bytes` bytes was sent.
     pub fn sent(&mut self, kind: &'static str, bytes: u64) {
         let (count, sum) = self.messages.entry(kind).or_default();

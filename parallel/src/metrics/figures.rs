@@ -64,13 +64,13 @@ pub struct Times {
     pub polling: Nanos,
     /// Moving blocks, and messages about load.
     pub balancing: Nanos,
-    /// Nothing to do.
+    /// Nothing to do, asleep.
     pub idle: Nanos,
     /// Time with a cavity of the worker active.
     pub active: Nanos,
-    /// The part of the idle time with a cavity of the worker active.
+    /// Time with nothing to do, asleep or looking for messages, and a cavity of the worker active.
     pub idle_active: Nanos,
-    /// The part of the idle time after the worker's last insertion.
+    /// Time with nothing to do, asleep or looking for messages, after the worker's last insertion.
     pub idle_at_end: Nanos,
     /// Steps that inserted a point at once.
     pub local: Nanos,

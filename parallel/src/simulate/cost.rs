@@ -18,6 +18,9 @@ pub struct CostModel {
     pub step: f64,
     /// A look for messages.
     pub poll: f64,
+    /// A look of a processor that has nothing else to do, and looks again and again; 0: it sleeps
+    /// until a message wakes it.
+    pub idle_poll: f64,
     /// Sending a message.
     pub send: f64,
     /// Receiving a message.
@@ -37,6 +40,7 @@ impl Default for CostModel {
             look: 220.0,
             step: 100.0,
             poll: 50.0,
+            idle_poll: 0.0,
             send: 500.0,
             receive: 500.0,
             byte: 0.1,
@@ -48,8 +52,8 @@ impl CostModel {
     /// The paper's CoW, 32 Sun Ultra 5 of 333 MHz. Work is that of the default, slowed down until a
     /// cavity of uniform points takes 2.4 ms, as in Table V (235.45 s for the 98,217 cavities of
     /// Table IV). A poll in vain takes 33 µs and a message 146 µs, as in Table VI: 93.15 - 51.19 s
-    /// for 1,259,085 polls, 51.19 s for 343,375 messages. The paper does not tell what sending
-    /// costs: as much.
+    /// for 1,259,085 polls, 51.19 s for 343,375 messages. A processor with nothing to do polls on
+    /// (Algorithm 2). The paper does not tell what sending costs: as much.
     pub fn cow() -> Self {
         // One processor alone takes 1.754 µs a point (100,000 uniform points, polls left out).
         const SLOWER: f64 = 2.4e6 / 1754.0;
@@ -61,6 +65,7 @@ impl CostModel {
             look: SLOWER * own.look,
             step: SLOWER * own.step,
             poll: 33_000.0,
+            idle_poll: 33_000.0,
             send: 146_000.0,
             receive: 146_000.0,
             byte: 0.0,
@@ -100,6 +105,7 @@ impl CostModel {
             self.look,
             self.step,
             self.poll,
+            self.idle_poll,
             self.send,
             self.receive,
             self.byte,

@@ -107,6 +107,7 @@ where
                     retries: Default::default(),
                     orders: Default::default(),
                     is_busy: false,
+                    looks_since: None,
                     unpolled: 0,
                     slowness: options.slowness(id),
                     balancer: options.balance.map(|b| Balancer::new(b, id, count)),
@@ -258,8 +259,13 @@ where
         if processor.is_busy {
             return;
         }
+        let looked = processor.end_of_looks(self.now, &self.options.costs);
+        if looked > self.now {
+            processor.is_busy = true;
+            return self.at(looked, What::Free(id));
+        }
         match processor.next(self.options.poll_every) {
-            Next::Rest => {}
+            Next::Rest => processor.rest(self.now, &self.options.costs),
             Next::GoOn => self.step(id, Event::Work, self.now, 0),
             Next::Ask => self.ask(id),
             Next::Take(envelope) => self.take(id, envelope),

@@ -50,6 +50,8 @@ pub(super) struct Processor<S: Submesh, Q, C> {
     /// Moves and the cancel.
     pub(super) orders: VecDeque<Event<S>>,
     pub(super) is_busy: bool,
+    /// The time since when it has had nothing to do, if it looks for messages meanwhile.
+    pub(super) looks_since: Option<Nanos>,
     /// Steps of own work since it last looked for messages.
     pub(super) unpolled: u32,
     /// The factor by which it takes longer than others.
@@ -94,6 +96,24 @@ impl<S: Submesh, Q: Source<S> + Workload, C: Rules> Processor<S, Q, C> {
         } else {
             Next::Rest
         }
+    }
+
+    /// It has nothing to do from `now` on, but to look for messages, unless it sleeps or has
+    /// stopped.
+    pub(super) fn rest(&mut self, now: Nanos, model: &CostModel) {
+        if model.idle_poll > 0.0 && !self.worker.is_stopped() {
+            self.looks_since = Some(now);
+        }
+    }
+
+    /// It has something to do: the end of the looks that it has begun meanwhile, each in vain.
+    pub(super) fn end_of_looks(&mut self, now: Nanos, model: &CostModel) -> Nanos {
+        let Some(since) = self.looks_since.take() else { return now };
+        let each = self.time(model.idle_poll).max(1);
+        let looks = now.saturating_sub(since).div_ceil(each);
+        let end = since + looks * each;
+        self.collector.look_on(since, end, looks);
+        end
     }
 
     /// A time on this processor.
