@@ -11,6 +11,7 @@ mod measure;
 mod model_check;
 mod mpi;
 mod mutants;
+mod paper;
 mod parts;
 mod pictures;
 mod predicates;
@@ -47,6 +48,9 @@ cargo xtask COMMAND
   bench refine          refinement, beside one item after the other, beside the commit before
                         (LTBW_BEFORE names its measure_refine), against TetGen's (the Python
                         package tetgen), and over 500 random domains
+  bench quality [KIND MAX_VOLUME]...
+                        dihedral angles beside those of TetGen and Gmsh with their optimisers (their
+                        Python packages), and the faces that are not Delaunay
   bench instructions    instructions of a build and of `ltbw mesh` by callgrind; fails where `mesh`
                         takes 2 % more than the program LTBW_BEFORE_PROGRAM, of the commit before
   parts [DIR] [--twins] [--only TEXT]
@@ -54,6 +58,11 @@ cargo xtask COMMAND
                         beside TetGen (the Python package tetgen), and their twins: turned, scaled,
                         shifted; fails if a run breaks a bar that none may break, or leaves more
                         over a bound than the angles of the domain excuse
+  paper [TABLE|FIGURE]... [--full|--small] [--write]
+                        the paper's tables and figures, run and simulated beside the paper's own:
+                        table-1 to table-6, figure-5 to figure-7, and a study of setbacks;
+                        target/paper/paper.html has them as pictures. 15 minutes; --full has the paper's sizes and takes hours, --small
+                        seconds; --write brings docs/paper-tables.md up to date
   rounds [DIR]          refinement in rounds: 500 random domains in five orders, named ones and the
                         parts of a folder in 22, tiny ones in all
   stacks [COUNT | FIRST..END]
@@ -95,6 +104,7 @@ fn main() -> ExitCode {
     let (command, rest) = args.split_first().map_or(("help", &args[..]), |(c, r)| (c.as_str(), r));
     let done = match command {
         "bench" | "bars" => measure::run(command, rest),
+        "paper" => paper::run(rest),
         "parts" => parts::run(rest),
         "rounds" => rounds::run(rest),
         "stacks" => stacks::run(rest),

@@ -18,6 +18,9 @@ pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
     if mode == "bench" && args == ["instructions"] {
         return instructions();
     }
+    if mode == "bench" && args.first().is_some_and(|name| name == "quality") {
+        return quality(&args[1..]);
+    }
     if mode == "bench" && args.first().is_some_and(|name| name == "python") {
         return python::bench(&args[1..]);
     }
@@ -49,6 +52,19 @@ pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
 fn threads(args: &[String]) -> Result<(), String> {
     let program = ["--release", "-p", "ltbw-tests", "--bin", "measure_threads"];
     shell::run(cargo().args(["run", "--quiet"]).args(program).arg("--").args(args))
+}
+
+/// Dihedral angles beside TetGen's and Gmsh's.
+fn quality(args: &[String]) -> Result<(), String> {
+    let packages = ["numpy==2.4.6", "tetgen==0.8.4", "gmsh==4.15.2"];
+    let test = "import numpy, tetgen, gmsh";
+    let python = match shell::python("quality-python", &packages, test) {
+        Ok(python) => python,
+        Err(reason) => return require::skip("dihedral angles beside others", "gmsh", &reason),
+    };
+    let mut measure = command(&python.to_string_lossy());
+    measure.arg("tests/quality/beside.py").arg(shell::program()?).arg(target().join("quality"));
+    shell::run(measure.args(args))
 }
 
 /// Refinement against TetGen.

@@ -1,0 +1,53 @@
+//! Table III: the partitions that each way leaves.
+
+use crate::Failure;
+use crate::programs::{Programs, number};
+use crate::table::{Block, Table, cells};
+
+/// The paper's 16 SP nodes, as near as its figures tell: processors as of its workstations on a
+/// switch of 150 MB/s.
+pub(crate) const SP: [&str; 6] = ["--machine", "cow", "--bandwidth", "1.2", "--latency", "40us"];
+
+pub(crate) fn partitions(programs: &Programs) -> Result<Vec<Block>, Failure> {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let row = |name: String, surface: f64, imbalance: f64, tets: f64| {
+        vec![name, format!("{surface:.3}"), format!("{imbalance:.0}"), format!("{tets:.0}")]
+    };
+    for &problem in programs.plan.model {
+        if let Some(report) = programs.traditional(problem, 16)? {
+            let of = |name| number(&report, &[name]);
+            let name = format!("run, {}: METIS", problem.size);
+            rows.push(row(name, of("surface_to_volume")?, of("imbalance_tets")?, of("tets")?));
+        }
+        for (ownership, what) in [
+            ("creator", "who creates a tetrahedron owns it (LTBW)"),
+            ("block", "by the block of the curve (as SMGP places elements when they are made)"),
+        ] {
+            let options = [&SP[..], &["--processors", "16", "--ownership", ownership]].concat();
+            let report = programs.simulated(problem, &options)?;
+            let of = |name| number(&report, &["simulation", name]);
+            let name = format!("simulated, {}: {what}", problem.size);
+            let tets = number(&report, &["mesh", "tets"])?;
+            rows.push(row(name, of("surface_to_volume")?, of("imbalance_tets")?, tets));
+        }
+    }
+    for (name, one, two) in [
+        ("traditional (ParMetis)", [".042", "1298"], [".038", "2009"]),
+        ("LTBW", [".101", "11194"], [".090", "23059"]),
+        ("SMGP", [".064", "3058"], [".061", "6578"]),
+        ("SMGP and ParMetis", [".044", "883"], [".037", "1529"]),
+    ] {
+        rows.push(cells([&format!("the paper's, 1M: {name}"), one[0], one[1], "-"]));
+        rows.push(cells([&format!("the paper's, 2M: {name}"), two[0], two[1], "-"]));
+    }
+    Ok(vec![Block::Table(Table {
+        title: "Table III: partitions into 16 parts".into(),
+        head: cells(["", "surface to volume, largest", "imbalance, tetrahedra", "tetrahedra"]),
+        rows,
+        below: "Surface to volume: faces with another part per tetrahedron. SMGP's method is in \
+                another paper; blocks of a space-filling curve have its purpose, not its rule. \
+                ParMetis is not free: METIS, which is sequential, stands for it, and the mesh that \
+                it parts is that of rounds."
+            .into(),
+    })])
+}

@@ -1,0 +1,158 @@
+//! The programs that make the figures: each run is a process of its own, whose report is JSON.
+
+use crate::Failure;
+use ltbw_tests::require::skip;
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A domain with the bound on volumes that gives a mesh of some size.
+#[derive(Clone, Copy)]
+pub(crate) struct Problem {
+    pub(crate) kind: &'static str,
+    /// About the tetrahedra in words, as the paper has them.
+    pub(crate) size: &'static str,
+    pub(crate) volume: &'static str,
+}
+
+const fn problem(kind: &'static str, size: &'static str, volume: &'static str) -> Problem {
+    Problem { kind, size, volume }
+}
+
+/// The sizes of a plan: with `--full` the paper's own, with `--small` what takes seconds, and shows
+/// that all works; else what takes minutes.
+pub(crate) struct Plan {
+    /// The cube with an octahedral hole: Tables I to III.
+    pub(crate) model: &'static [Problem],
+    /// Cube-in-cube on 32 workstations: Tables IV to VI.
+    pub(crate) cubes: &'static [Problem],
+    /// Figure 5.
+    pub(crate) scaling: &'static [Problem],
+    /// The gear of Figure 6.
+    pub(crate) gear: Problem,
+    /// The tee of Figure 7.
+    pub(crate) tee: &'static [Problem],
+    /// The cube-in-cube of the study of setbacks.
+    pub(crate) study: Problem,
+}
+
+impl Plan {
+    /// The plan of an option.
+    pub(crate) fn of(option: Option<&str>) -> Result<Self, Failure> {
+        match option {
+            None => Ok(USUAL),
+            Some("--full") => Ok(FULL),
+            Some("--small") => Ok(SMALL),
+            Some(other) => Err(format!("no such option: {other}").into()),
+        }
+    }
+}
+
+/// The paper's own sizes.
+const FULL: Plan = Plan {
+    model: &[
+        problem("cube-octahedron", "1M", "1.73783e-6"),
+        problem("cube-octahedron", "2M", "8.68915e-7"),
+    ],
+    cubes: &[problem("cube-in-cube", "8M", "2.2e-7"), problem("cube-in-cube", "16M", "1.1e-7")],
+    scaling: &[
+        problem("cube-octahedron", "0.5M", "3.47566e-6"),
+        problem("cube-octahedron", "1M", "1.73783e-6"),
+        problem("cube-octahedron", "2M", "8.68915e-7"),
+    ],
+    gear: problem("gear", "0.5M", "2.6e-6"),
+    tee: &[problem("tee", "1M", "5.5e-6"), problem("tee", "2M", "2.75e-6")],
+    study: problem("cube-in-cube", "1M", "1.78e-6"),
+};
+
+/// What takes seconds.
+const SMALL: Plan = Plan {
+    model: &[problem("cube-octahedron", "20k", "1e-4")],
+    cubes: &[problem("cube-in-cube", "60k", "3e-5")],
+    scaling: &[problem("cube-octahedron", "20k", "1e-4")],
+    gear: problem("gear", "13k", "1e-4"),
+    tee: &[problem("tee", "55k", "1e-4")],
+    study: problem("cube-in-cube", "18k", "1e-4"),
+};
+
+/// What takes minutes.
+const USUAL: Plan = Plan {
+    model: &[problem("cube-octahedron", "1M", "1.73783e-6")],
+    cubes: &[problem("cube-in-cube", "1M", "1.78e-6")],
+    scaling: &[problem("cube-octahedron", "0.25M", "6.9513e-6")],
+    gear: problem("gear", "0.5M", "2.6e-6"),
+    tee: &[problem("tee", "0.25M", "2.2e-5")],
+    study: problem("cube-in-cube", "0.1M", "1.78e-5"),
+};
+
+/// The programs, and where they may write.
+pub(crate) struct Programs {
+    pub(crate) ltbw: PathBuf,
+    pub(crate) traditional: Option<PathBuf>,
+    pub(crate) folder: PathBuf,
+    pub(crate) plan: Plan,
+}
+
+impl Programs {
+    /// The report of `ltbw simulate` on a domain without rounds, as the paper's runs are.
+    pub(crate) fn simulated(&self, problem: Problem, options: &[&str]) -> Result<Value, Failure> {
+        let domain = ["simulate", "--domain", problem.kind, "--max-volume", problem.volume];
+        let words = [&domain[..], &["--mode", "async", "--json", "-"], options].concat();
+        self.report(&words)
+    }
+
+    /// The report of `ltbw mesh` on a domain.
+    pub(crate) fn meshed(&self, problem: Problem, options: &[&str]) -> Result<Value, Failure> {
+        let file = self.folder.join(format!("{}.poly", problem.kind));
+        let file = file.to_str().ok_or("a folder whose name is no text")?;
+        let generate = ["generate", problem.kind, "-o", file, "--quiet"];
+        said(Command::new(&self.ltbw).args(generate))?;
+        let mesh = ["mesh", file, "--max-volume", problem.volume, "--quiet", "--json", "-"];
+        self.report(&[&mesh[..], options].concat())
+    }
+
+    /// The report of the traditional way, with that many parts; `None` where there is no program
+    /// for it, which is said.
+    pub(crate) fn traditional(
+        &self,
+        problem: Problem,
+        parts: u32,
+    ) -> Result<Option<Value>, Failure> {
+        let Some(program) = &self.traditional else {
+            skip("the traditional way", "metis", "its program was not built")?;
+            return Ok(None);
+        };
+        let mut command = Command::new(program);
+        command.args([problem.kind, problem.volume, &parts.to_string()]).arg(&self.folder);
+        let text = said(&mut command)?;
+        Ok(Some(serde_json::from_str(text.lines().last().unwrap_or_default())?))
+    }
+
+    fn report(&self, words: &[&str]) -> Result<Value, Failure> {
+        eprintln!("ltbw {}", words.join(" "));
+        let text = said(Command::new(&self.ltbw).args(words))?;
+        Ok(serde_json::from_str(&text)?)
+    }
+}
+
+/// The output of a command that has to succeed.
+fn said(command: &mut Command) -> Result<String, Failure> {
+    let output = command.output().map_err(|error| format!("{command:?}: {error}"))?;
+    if !output.status.success() {
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        return Err(format!("{command:?}: {}\n{told}", output.status).into());
+    }
+    Ok(String::from_utf8(output.stdout)?)
+}
+
+/// A number of a report, by the names on the way to it.
+pub(crate) fn number(report: &Value, way: &[&str]) -> Result<f64, Failure> {
+    let at = way.iter().try_fold(report, |value, name| value.get(name));
+    at.and_then(Value::as_f64).ok_or_else(|| format!("a report has no {}", way.join(".")).into())
+}
+
+/// The workers of a simulated run.
+pub(crate) fn workers(report: &Value) -> Result<&[Value], Failure> {
+    let all = report.get("simulation").and_then(|own| own.get("workers"));
+    Ok(all.and_then(Value::as_array).ok_or("a report has no workers")?)
+}

@@ -1,0 +1,47 @@
+//! `paper`: the tables and figures of Chrisochoides and Nave (2003). The measuring is the program
+//! `measure_paper` of the tests package; here are the builds, and where the result goes.
+
+use crate::shell::{self, cargo, program, root, target};
+use std::path::PathBuf;
+
+/// The page that has the tables of the last run with `--write`.
+const PAGE: &str = "docs/paper-tables.md";
+
+/// Builds the programs and makes the tables.
+pub(crate) fn run(args: &[String]) -> Result<(), String> {
+    let (write, rest): (Vec<&String>, Vec<&String>) =
+        args.iter().partition(|arg| *arg == "--write");
+    let folder = target().join("paper");
+    let program = program()?;
+    let traditional = traditional();
+    if let Err(reason) = &traditional {
+        eprintln!("note: no program for the traditional way: {reason}");
+    }
+    let mut measure = cargo();
+    measure.args(["run", "--quiet", "-p", "ltbw-tests", "--bin", "measure_paper", "--"]);
+    measure.arg(program).arg(traditional.unwrap_or_else(|_| "-".into())).arg(&folder);
+    shell::run(measure.args(&rest))?;
+    if write.is_empty() {
+        return Ok(());
+    }
+    let tables = std::fs::read_to_string(folder.join("paper.md")).map_err(|e| e.to_string())?;
+    let words: Vec<&str> = rest.iter().map(|word| word.as_str()).collect();
+    let command = ["cargo xtask paper", &words.join(" ")].join(" ");
+    let head = format!(
+        "# The paper's tables and figures\n\nMade by `{} --write`; [what they stand for](paper.md). Each \
+         row says whether it is *run* on one machine, *simulated*, or *the paper's*.\n\n",
+        command.trim_end()
+    );
+    let path = root().join(PAGE);
+    std::fs::write(&path, head + tables.trim_end() + "\n").map_err(|e| format!("{PAGE}: {e}"))
+}
+
+/// The program of `xtask/traditional`, which needs a C compiler for METIS.
+fn traditional() -> Result<PathBuf, String> {
+    let folder = target().join("traditional");
+    let manifest = root().join("xtask/traditional/Cargo.toml");
+    let mut build = cargo();
+    build.args(["build", "--quiet", "--release", "--locked", "--manifest-path"]).arg(manifest);
+    shell::run(build.arg("--target-dir").arg(&folder))?;
+    Ok(folder.join("release/ltbw-traditional"))
+}
