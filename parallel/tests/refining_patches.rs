@@ -5,7 +5,7 @@ use crate::refining_rounds::one_mesh;
 use ltbw::domain::{Domain, PrepareOptions, Prepared};
 use ltbw::refine::{Refiner, usual_tolerance};
 use ltbw::refining::Ending;
-use ltbw_generate::surfaces::{globe, prism, shell, single, torus, turned};
+use ltbw_generate::surfaces::{globe, prism, ramp, shell, single, star, torus, turned};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 
 /// A domain on its lattice, and the tolerance that its patches are flat within.
@@ -38,4 +38,30 @@ fn surfaces_with_patches_have_the_engines_mesh_on_any_number_of_workers() {
         done += usize::from(patches > 0 && ending == Ok(Ending::Done));
     }
     assert!(done >= 3, "{done} of the domains with patches were refined by workers to the end");
+}
+
+/// Points at patches have turns there, and much is refused: whoever refuses, and wherever, all know
+/// before the next round. (Seeds and sizes for which workers insert points, and mostly the last one.)
+#[test]
+fn patches_beside_sharp_edges_have_the_engines_mesh_on_any_number_of_workers() {
+    let (mut done, mut excused) = (0, 0);
+    let stars = (3..9).map(|k| (format!("a star of {k}"), star(k, 1e-8, u64::from(k))));
+    let heights = [0.1, 0.2, 0.3, 0.35];
+    let ramps = (2..).zip(heights);
+    let ramps = ramps.map(|(k, h)| (format!("a ramp of {h}"), ramp(k, h, 1e-8, u64::from(k))));
+    for (name, domain) in stars.chain(ramps) {
+        let (ready, tolerance) = surface(&domain);
+        let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(3e-4);
+        // Slivers are the engine's.
+        let refiner = refiner.min_dihedral(0.0).start(64);
+        let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+        let ending = one_mesh(&name, &refiner, &ready);
+        let (patches, left) = (engine.stats.patches, engine.excuses.len());
+        println!("{name}: {patches} patches, {left} excused, {ending:?}");
+        assert!(patches > 0, "{name}");
+        if ending == Ok(Ending::Done) {
+            (done, excused) = (done + 1, excused + left);
+        }
+    }
+    assert!(done >= 4 && excused > 0, "{done} refined by workers to the end, {excused} excused");
 }

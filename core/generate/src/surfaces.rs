@@ -90,6 +90,70 @@ pub fn globe(rows: u32, columns: u32, noise: f64, seed: u64) -> Domain {
     domain
 }
 
+/// A plate over a star with `points` (at least 3) tips of some 15 degrees: its sides are two
+/// triangles each, and above and below are fans around the middle. By chance, from `seed`, no two
+/// tips are alike.
+///
+/// Every vertex is multiplied by 1 + `noise` times a normal number.
+#[must_use]
+pub fn star(points: u32, noise: f64, seed: u64) -> Domain {
+    let n = 2 * points.max(3);
+    let mut random = Random::new(seed);
+    let mut radius = |i: u32| match i % 2 {
+        0 => 0.5 + 0.2 * random.unit(),
+        _ => 0.05 + 0.05 * random.unit(),
+    };
+    let outline: Vec<_> = (0..n).map(|i| (around(i, n), radius(i))).collect();
+    let ring = |z: f64| outline.iter().map(move |([x, y], r)| [x * r, y * r, z]);
+    let middles = [[0.0, 0.0, -0.1], [0.0, 0.0, 0.1]];
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        let next = (i + 1) % n;
+        triangles.extend([[i, next, n + next], [i, n + next, n + i]]);
+        triangles.extend([[2 * n, next, i], [2 * n + 1, n + i, n + next]]);
+    }
+    let vertices = ring(-0.1).chain(ring(0.1)).chain(middles).collect();
+    let mut domain = surface(vertices, &triangles);
+    shake(&mut domain, noise, seed);
+    domain
+}
+
+/// A ramp of side 1 that rises to `height`: two sheets of `cells` (at least 1) squares each way,
+/// cut in two triangles each, which meet at an edge.
+///
+/// Every vertex is multiplied by 1 + `noise` times a normal number.
+#[must_use]
+pub fn ramp(cells: u32, height: f64, noise: f64, seed: u64) -> Domain {
+    let n = cells.max(1);
+    let (side, mut vertices, mut triangles) = (n + 1, Vec::new(), Vec::new());
+    let part = |k: u32| f64::from(k) / f64::from(n);
+    for (first, slope) in [(0, 0.0), (1, height)] {
+        let rows = (first..side).flat_map(|i| (0..side).map(move |j| [part(i), part(j)]));
+        vertices.extend(rows.map(|[x, y]| [x, y, slope * x]));
+    }
+    let low = |i: u32, j: u32| i * side + j;
+    // The first row is one for both.
+    let high = |i: u32, j: u32| if i == 0 { j } else { (n + i) * side + j };
+    for i in 0..n {
+        for j in 0..n {
+            let [a, b, c, d] = [low(i, j), low(i + 1, j), low(i + 1, j + 1), low(i, j + 1)];
+            triangles.extend([[a, c, b], [a, d, c]]);
+            let [a, b, c, d] = [high(i, j), high(i + 1, j), high(i + 1, j + 1), high(i, j + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        for (j, is_first) in [(0, true), (n, false)] {
+            let [a, b, c, d] = [low(i, j), low(i + 1, j), high(i + 1, j), high(i, j)];
+            let all = [[a, b, c], [a, c, d]].into_iter().take(if i == 0 { 1 } else { 2 });
+            triangles.extend(all.map(|[a, b, c]| if is_first { [a, b, c] } else { [a, c, b] }));
+        }
+        let [a, b, c, d] = [low(n, i), low(n, i + 1), high(n, i + 1), high(n, i)];
+        triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    let mut domain = surface(vertices, &triangles);
+    shake(&mut domain, noise, seed);
+    domain
+}
+
 /// A torus of radii 0.5 and 0.2: `parts` (at least 3) around the axis and as many around the tube,
 /// two triangles each.
 #[must_use]

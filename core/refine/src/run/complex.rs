@@ -41,16 +41,10 @@ impl<'a> Run<'a> {
     /// The bounds of a run that others can go on with in rounds.
     ///
     /// # Errors
-    /// [`ComplexError`] if some of the boundary is missing, or there are patches and small angles.
+    /// [`ComplexError`] if some of the boundary is missing.
     pub(super) fn fit(&self) -> Result<&Bounds<'a>, ComplexError> {
-        let (state, no) = (&self.refinement.state, |what| Err(ComplexError::Unsupported(what)));
-        let Some(bounds) = &self.refinement.bounds else {
-            return no("some of the boundary could not be recovered");
-        };
-        if state.plc.has_patches() && state.angles.matter() {
-            return no("facets coplanar within a tolerance beside features at small angles");
-        }
-        Ok(bounds)
+        let missing = "some of the boundary could not be recovered";
+        self.refinement.bounds.as_ref().ok_or(ComplexError::Unsupported(missing))
     }
 }
 
