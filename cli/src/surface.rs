@@ -31,8 +31,8 @@ pub(crate) struct Preparation {
     /// The edges inside such a facet need not be in the mesh; its vertices and its outline are. At
     /// most 2^-10 of the domain's diagonal; 0: facets are what they are. Default: 0 for .poly and
     /// .smesh, and with --exact-input; for surfaces of triangles (.stl .obj .ply .off) 2^-22 of the
-    /// diagonal, or two single-precision steps of the largest coordinate if that is more and all
-    /// coordinates are single-precision numbers.
+    /// diagonal, or what their numbers tell if that is more: two single-precision steps of the
+    /// largest coordinate, or two units of the last decimal.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) flat_tolerance: Option<f64>,
     /// Measure from the middle of the domain: keeps more bits of one far from the origin

@@ -142,8 +142,9 @@ def tetrahedralize(
     flat_tolerance : float, optional
         Facets that are coplanar within this distance are taken for one: triangles of a smooth
         surface that are flat up to rounding. At most 2**-10 of the diagonal; 0: exactly coplanar.
-        By default, for surfaces, the larger of 2**-22 of the diagonal and, where all coordinates
-        are float32 numbers, two steps of the largest.
+        By default, for surfaces, the larger of 2**-22 of the diagonal and what the numbers tell:
+        two steps of the largest where all are float32, two units of the last decimal where they
+        have 5 to 15 digits.
     exact_input : bool
         Refuse a domain that is not exactly on its lattice.
     frame : {"auto", "own", "local"}
