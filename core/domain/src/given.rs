@@ -76,7 +76,7 @@ const SINGLE: usize = 9;
 struct Digits {
     /// The most significant digits that a coordinate has.
     most: usize,
-    /// The largest power of ten that is the last decimal of a coordinate with so many.
+    /// The largest power of ten that is the last decimal of a coordinate with that number.
     last: i32,
 }
 
@@ -158,7 +158,7 @@ mod tests {
         let own = |x: f64| x / f64::from(1u32 << 22);
         assert_eq!(usual([0.123_456_789_1, 0.0, 0.0]), own(0.123_456_789_1));
         assert_eq!(usual([1.0 / 3.0, 0.0, 0.0]), own(1.0 / 3.0));
-        // What has four digits was drawn.
+        // Numbers of four digits were drawn.
         assert_eq!(usual([0.0, 0.0, 12.34]), own(12.34));
         let far = Domain { vertices: vec![[1234.1; 3], [1234.0; 3]], ..Domain::default() };
         assert_eq!(usual_tolerance(&far, &far), largest_tolerance(&far), "0.2 is no small length");
