@@ -171,6 +171,7 @@ pub(crate) fn binding(
         .with("max_points", args.max_points)
         .number("flat_tolerance", Some(flat_tolerance))
         .number("repair", preparation.repair)
+        .number("simplify", preparation.simplify)
         .flag("exact_input", preparation.exact_input)
         .flag("local_frame", preparation.local_frame)
         .flag("own_frame", preparation.own_frame)

@@ -63,6 +63,7 @@ mod lenience;
 mod lists;
 mod machine;
 mod mesh;
+mod needles;
 mod numbers;
 mod orient;
 mod others;

@@ -7,6 +7,7 @@ use crate::console::{self, Stop};
 use crate::excused;
 use crate::explained::{excused, is_explained};
 use crate::json::write_text;
+use crate::needles;
 use crate::others::Others;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::Scene;
@@ -14,7 +15,7 @@ use crate::pieces::parts_of;
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report, Seconds, quality_json, quality_line};
 use crate::rounds;
-use crate::surface::{print_patches, repairs_json};
+use crate::surface::{print_patches, repairs_json, simplified_json};
 use crate::task::{Files, Judged, Task};
 use crate::unrecovered;
 use crate::workers::{Crew, Made, Setting, print_workers, refine};
@@ -86,6 +87,9 @@ pub(crate) fn mesh(args: &MeshArgs, others: Others<'_>) -> Result<Exit, Failure>
     let stage = Stage::begin("prepare");
     let (ready, flat_tolerance) = args.preparation.prepare(&source)?;
     drop(stage);
+    if args.preparation.simplify.is_none() {
+        needles::advice(&ready, flat_tolerance).iter().for_each(|line| console::people(line));
+    }
     let field = field(args, &ready, source.reads())?;
     let job = Job {
         task: Task {
@@ -400,6 +404,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
             "largest_move_of_diagonal": ready.largest.map(|m| m.distance / ready.domain.diagonal()),
         },
         "repairs": repairs_json(ready),
+        "simplified": simplified_json(ready),
         "flat_tolerance": stats.flat_tolerance,
         "patches_folded": stats.patches_folded,
         "patches_given_up": stats.patches_given_up,

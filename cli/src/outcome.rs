@@ -152,7 +152,10 @@ impl Failure {
             Failure::Build { error: BuildError::Cancelled, .. }
             | Failure::Refine { error: RefineError::Cancelled, .. } => Exit::Stopped,
             Failure::Refine { error: RefineError::Bound { .. }, .. } => Exit::Usage,
-            Failure::Domain { error: PrepareError::Tolerance { .. }, .. } => Exit::Usage,
+            Failure::Domain {
+                error: PrepareError::Tolerance { .. } | PrepareError::Simplify { .. },
+                ..
+            } => Exit::Usage,
             Failure::Read(_)
             | Failure::Points { .. }
             | Failure::Domain { .. }

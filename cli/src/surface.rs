@@ -31,10 +31,17 @@ pub(crate) struct Preparation {
     /// The edges inside such a facet need not be in the mesh; its vertices and its outline are. At
     /// most 2^-10 of the domain's diagonal; 0: facets are what they are. Default: 0 for .poly and
     /// .smesh, and with --exact-input; for surfaces of triangles (.stl .obj .ply .off) 2^-22 of the
-    /// diagonal, or two single-precision steps of the largest coordinate if that is more and all
-    /// coordinates are single-precision numbers.
+    /// diagonal, or what their numbers tell if that is more: two single-precision steps of the
+    /// largest coordinate, or two units of the last decimal.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) flat_tolerance: Option<f64>,
+    /// Collapse triangles within this distance, before meshing
+    ///
+    /// Each vertex that is left is one of the file. Nothing crosses, topology, markers and sharp
+    /// edges stay, and neither surface is farther from the other, which is stated. At most 5 % of
+    /// the domain's diagonal.
+    #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
+    pub(crate) simplify: Option<f64>,
     /// Measure from the middle of the domain: keeps more bits of one far from the origin
     ///
     /// The offset is reported. The default where the distance takes two bits or more.
@@ -75,6 +82,10 @@ impl Preparation {
             let text = "--exact-input and --repair: what is repaired is not the exact input";
             return Err(Failure::Usage(text.to_owned()));
         }
+        let simplify = self.simplify.unwrap_or(0.0);
+        if !(0.0..f64::INFINITY).contains(&simplify) {
+            return Err(Failure::Usage(format!("--simplify {simplify}: a tolerance is a length")));
+        }
         let flat = self.flat_tolerance.unwrap_or(0.0);
         if !(0.0..f64::INFINITY).contains(&flat) {
             return Err(Failure::Usage(format!(
@@ -106,6 +117,7 @@ impl Preparation {
             oriented: file.oriented,
             nested_voids: false,
             strict: self.strict,
+            simplify: self.simplify.unwrap_or(0.0),
         };
         self.holes.iter().for_each(|holes| holes.apply(&mut file.domain, &mut options));
         options
@@ -129,6 +141,8 @@ impl Preparation {
         let failed = |error| Failure::Domain { path: source.name.clone(), error };
         let ready = result.map_err(failed)?;
         self.note_repairs(&ready);
+        let told = ready.simplified.as_ref().map(|told| format!("simple    {}", told.note()));
+        told.iter().for_each(|line| console::people(line));
         let usual = file.flat_tolerance(&ready, &options);
         let flat = self.flat(&ready, usual)?;
         Ok((ready, flat))
@@ -241,6 +255,20 @@ pub(crate) fn print_patches(asked: f64, stats: &RefineStats) {
              into the mesh: their facets are taken as they are"
         ));
     }
+}
+
+/// The effect of `--simplify`, for the JSON report.
+pub(crate) fn simplified_json(ready: &Prepared) -> Value {
+    let Some(told) = &ready.simplified else { return Value::Null };
+    let [before, after] = told.triangles;
+    json!({
+        "tolerance": told.tolerance,
+        "removed": told.removed,
+        "triangles_before": before,
+        "triangles": after,
+        "from_before": told.from_before,
+        "from_after": told.from_after,
+    })
 }
 
 /// The repairs, for the JSON reports.

@@ -24,6 +24,7 @@ mod require;
 mod schema;
 mod schemas;
 mod signals;
+mod simplify;
 mod simulated;
 mod streams;
 mod vectors;

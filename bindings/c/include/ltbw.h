@@ -265,6 +265,11 @@ typedef struct ltbw_wishes {
    `radius_edge`.
    */
   double min_dihedral;
+  /*
+   Collapse triangles of the surface within this distance before meshing, at most 5 % of the
+   diagonal; 0: none. A note bounds how far the surfaces are apart.
+   */
+  double simplify;
 } ltbw_wishes;
 
 #ifdef __cplusplus

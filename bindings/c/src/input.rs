@@ -108,6 +108,9 @@ pub struct Wishes {
     /// serves. 0: 8, as the program does; below 0: none is. Nothing is done without a bound on
     /// `radius_edge`.
     pub min_dihedral: f64,
+    /// Collapse triangles of the surface within this distance before meshing, at most 5 % of the
+    /// diagonal; 0: none. A note bounds how far the surfaces are apart.
+    pub simplify: f64,
 }
 
 /// The values at a pointer, which are not looked at. Null is refused, and so are more values than
@@ -268,6 +271,7 @@ impl Wishes {
                 holes,
                 regions: copied(regions, region)?,
                 repair: given.repair,
+                simplify: given.simplify,
                 flat_tolerance: match given.flat_tolerance {
                     0.0 => None,
                     below if below < 0.0 => Some(0.0),

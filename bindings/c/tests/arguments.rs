@@ -32,6 +32,7 @@ const NOTHING: Wishes = Wishes {
     frame: 0,
     excused_share: 0.0,
     min_dihedral: 0.0,
+    simplify: 0.0,
 };
 
 /// The number of tetrahedra, or the code of the failure.

@@ -81,6 +81,7 @@ impl Ready {
             oriented: file.oriented,
             nested_voids: false,
             strict: false,
+            simplify: wishes.simplify,
         };
         wishes.holes.apply(&mut file.domain, &mut options);
         let excused_share =
@@ -90,6 +91,7 @@ impl Ready {
         let flat_tolerance = wishes.flat_tolerance.unwrap_or_else(usual);
         let mut notes = file.notes;
         notes.extend(prepared.notes());
+        notes.extend(prepared.simplified.iter().map(|told| format!("simplified: {}", told.note())));
         let offset = prepared.lattice.offset();
         if offset != [0.0; 3] {
             notes.push(format!("coordinates are relative to {offset:?}"));

@@ -180,7 +180,7 @@ impl From<PrepareError> for Failure {
     fn from(error: PrepareError) -> Self {
         let class = match error {
             PrepareError::Domain(error) => return error.into(),
-            PrepareError::Tolerance { .. } => Class::Input,
+            PrepareError::Tolerance { .. } | PrepareError::Simplify { .. } => Class::Input,
             _ => Class::Domain,
         };
         let first = |defect: &DomainDefect| defect.elements.iter().flat_map(numbers).collect();

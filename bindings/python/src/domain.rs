@@ -58,6 +58,7 @@ pub(crate) struct Asked {
     /// A point inside, an attribute, the largest volume.
     regions: Vec<(Point, f64, Option<f64>)>,
     repair: f64,
+    simplify: f64,
     flat_tolerance: Option<f64>,
     exact_input: bool,
     own_frame: Option<bool>,
@@ -86,6 +87,7 @@ impl Asked {
             },
             regions: self.regions.iter().map(region).collect(),
             repair: self.repair,
+            simplify: self.simplify,
             flat_tolerance: self.flat_tolerance,
             exact_input: self.exact_input,
             frame: match self.own_frame {

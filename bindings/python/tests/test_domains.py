@@ -126,7 +126,7 @@ def test_what_is_no_domain_is_told(cube, change, error, code):
     assert code in (None, caught.value.code), caught.value
 
 
-@pytest.mark.parametrize("wish", [{"max_volume": -1.0}, {"radius_edge": 0.5}, {"repair": -1.0}, {"flat_tolerance": -1.0}])
+@pytest.mark.parametrize("wish", [{"max_volume": -1.0}, {"radius_edge": 0.5}, {"repair": -1.0}, {"flat_tolerance": -1.0}, {"simplify": -1.0}])
 def test_bounds_that_make_no_sense_are_told(cube, wish):
     with pytest.raises(ltbw.InputError):
         ltbw.tetrahedralize(cube, **wish)
@@ -168,6 +168,26 @@ def test_files_are_read_back(cube, tmp_path):
     # A meshio mesh of the boundary is a surface again.
     shell = meshio.Mesh(mesh.points, [("triangle", mesh.triangles)])
     assert ltbw.tetrahedralize(shell).outcome == "met"
+
+
+def test_a_surface_is_simplified():
+    # A cube whose sides are cut into 6 by 6 squares, of two triangles each.
+    n, numbers, faces = 6, {}, []
+    for axis in range(3):
+        for end in (0, n):
+            for i in range(n):
+                for j in range(n):
+                    square = []
+                    for a, b in [(0, 0), (1, 0), (1, 1), (0, 1)][:: 1 if end else -1]:
+                        corner = [0, 0, 0]
+                        corner[axis], corner[(axis + 1) % 3], corner[(axis + 2) % 3] = end, i + a, j + b
+                        square.append(numbers.setdefault(tuple(corner), len(numbers)))
+                    faces += [square[:3], [square[0], *square[2:]]]
+    points = np.array(list(numbers), dtype=float)
+    mesh = ltbw.tetrahedralize((points, faces), simplify=0.01)
+    assert any(note.startswith("simplified: 432 triangles became ") for note in mesh.notes)
+    assert mesh.certificate.passed
+    assert len(mesh.points) < len(ltbw.tetrahedralize((points, faces)).points) / 2
 
 
 def test_pyvista_surfaces_and_grids(cube):

@@ -11,6 +11,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | `needles` | triangles with small angles: [`Needles`] |
 //! | [`plc`] | [`Domain`], [`Facet`], [`Region`], and the check of their structure |
 //! | [`lattice`] | [`Lattice`]: the grid on which input vertices live, and snapping to it |
 //! | [`check`] | the exact check: [`DomainReport`], cells, volumes |
@@ -19,6 +20,7 @@
 //! | `given` | a domain as it is given, and its usual tolerance: [`Given`] |
 //! | [`holes`] | what users say of voids: [`Holes`] |
 //! | [`prepare`] | all steps to a domain that can be meshed: [`Prepared`] |
+//! | [`simplify`] | triangles of a surface are collapsed within a tolerance: [`Simplified`] |
 //! | [`triangulate`] | triangles of a facet, exactly |
 //! | [`defect`] | [`DomainError`], [`DomainDefect`]: what is wrong, with ids and coordinates |
 //! | [`quality`] | histograms and extremes of angles, ratios, volumes, edges |
@@ -33,11 +35,13 @@ pub mod exterior;
 mod given;
 pub mod holes;
 pub mod lattice;
+mod needles;
 pub mod plc;
 pub mod prepare;
 pub mod quality;
 mod renumber;
 pub mod repair;
+pub mod simplify;
 pub mod thickness;
 pub mod triangulate;
 #[doc(hidden)]
@@ -50,9 +54,11 @@ pub use display::Of;
 pub use given::{Given, largest_tolerance, usual_tolerance};
 pub use holes::Holes;
 pub use lattice::{Lattice, Move, Snapped};
+pub use needles::Needles;
 pub use plc::{Domain, Facet, Region};
 pub use prepare::{Frame, PrepareError, PrepareOptions, Prepared};
 pub use repair::Repairs;
+pub use simplify::{Simplified, largest_simplification};
 pub use thickness::Thickness;
 pub use triangulate::{Problem, Triangulated};
 

@@ -161,6 +161,15 @@ impl Domain {
         }
     }
 
+    /// Turns the facets of these numbers round, for example [`DomainReport::inward`].
+    pub fn turn_round(&mut self, facets: &[u32]) {
+        for &f in facets {
+            if let Some(facet) = self.facets.get_mut(f as usize) {
+                facet.polygons.iter_mut().for_each(|polygon| polygon.reverse());
+            }
+        }
+    }
+
     /// The number of polygons of all facets.
     #[must_use]
     pub fn polygon_count(&self) -> usize {

@@ -10,8 +10,9 @@ use crate::check::same_place;
 use crate::exterior::{LEFT_OUT, Settled};
 use crate::renumber::{in_numbers_of_input, rename};
 use crate::repair::{Repairs, Surface, weld};
-use crate::{CheckOptions, Domain, DomainError, DomainReport, Facet, Lattice, Move, Snapped};
-use crate::{DefectKind, TroubleKind, triangulate};
+use crate::simplify::{self, Simplified};
+use crate::{CheckOptions, Domain, DomainError, DomainReport, Lattice, Move, Snapped};
+use crate::{DefectKind, TroubleKind};
 use ltbw_exact::Point;
 
 /// The coordinates in which a domain is meshed.
@@ -49,6 +50,9 @@ pub struct PrepareOptions {
     pub nested_voids: bool,
     /// Refuse a domain of which something would be repaired, left out or guessed.
     pub strict: bool,
+    /// The distance within which the surface is simplified, at most 5 % of the diagonal; 0: it is
+    /// left as it is. See [`crate::simplify`].
+    pub simplify: f64,
 }
 
 /// A domain that can be meshed.
@@ -73,6 +77,8 @@ pub struct Prepared {
     /// The domain with what has nothing but exterior around it, for a judge who finds that out by
     /// himself; `None` if there is no such thing.
     pub whole: Option<Domain>,
+    /// The simplification of the surface, if there was one.
+    pub simplified: Option<Simplified>,
 }
 
 impl Prepared {
@@ -88,6 +94,35 @@ impl Prepared {
         let mut notes = self.repairs.notes();
         notes.extend(nested(&self.report));
         notes
+    }
+
+    /// This domain with its surface simplified, and checked once more.
+    fn simplify(mut self, options: &PrepareOptions) -> Result<Self, PrepareError> {
+        let (value, limit) = (options.simplify, simplify::largest_simplification(&self.domain));
+        if !(value >= 0.0 && value <= limit) {
+            return Err(PrepareError::Simplify { value, limit });
+        }
+        let simpler = simplify::simplify(&self.domain, value, options.oriented);
+        // Holes have their points by now.
+        let mut report = simpler.domain.check(&CheckOptions::default())?;
+        if !report.is_meshable() {
+            return Err(PrepareError::Defects(Box::new(report)));
+        }
+        report.counts.extend(self.report.counts.remove_entry(&DefectKind::Nested));
+        let renumber = |v: &mut u32| {
+            *v = simpler.vertices.get(*v as usize).copied().flatten().unwrap_or(LEFT_OUT);
+        };
+        self.vertex_map.iter_mut().for_each(renumber);
+        let facets = simpler.facets.iter().map(|&f| self.facet_map[f as usize]).collect();
+        let simplified = Some(simpler.told);
+        Ok(Self {
+            domain: simpler.domain,
+            facet_map: facets,
+            report,
+            whole: None,
+            simplified,
+            ..self
+        })
     }
 
     /// Gives vertices, in a domain that is a part of the input, their numbers in the input, which
@@ -140,6 +175,17 @@ pub enum PrepareError {
         /// The largest one.
         limit: f64,
     },
+    /// A tolerance of simplification that is no length, or longer than a part of the domain.
+    #[error(
+        "the tolerance {value:e} of simplification is not between 0 and {limit:e}, 5 % of the \
+         domain's diagonal"
+    )]
+    Simplify {
+        /// The tolerance.
+        value: f64,
+        /// The largest one.
+        limit: f64,
+    },
     /// It has defects. Elements are those of the input.
     #[error("{}", summary(.0))]
     Defects(Box<DomainReport>),
@@ -173,6 +219,7 @@ impl PrepareError {
         match self {
             PrepareError::Domain(error) => error.code(),
             PrepareError::Tolerance { .. } => "domain.tolerance",
+            PrepareError::Simplify { .. } => "domain.simplify",
             PrepareError::Defects(_) => "domain.defects",
             PrepareError::BelowLattice { .. } => "domain.below-lattice",
             PrepareError::Strict { .. } => "domain.strict",
@@ -255,6 +302,11 @@ impl Domain {
         self.check_structure()?;
         let (near, numbers) = self.near();
         let mut prepared = near.prepare_near(options);
+        if options.simplify != 0.0
+            && let Ok(sound) = prepared
+        {
+            prepared = sound.simplify(options);
+        }
         if let Some(numbers) = numbers {
             prepared = prepared.map_err(|error| error.renumbered(&numbers));
             if let Ok(prepared) = &mut prepared {
@@ -310,6 +362,7 @@ impl Domain {
             report,
             repairs,
             whole,
+            simplified: None,
         })
     }
 
@@ -432,39 +485,5 @@ impl Domain {
         let ends = self.segments.iter_mut().flat_map(|(ends, _)| ends);
         corners.chain(ends).for_each(|v| *v = map[*v as usize]);
         (self, map)
-    }
-
-    /// Cuts facets that are not planar into triangles, each a facet of the same marker; returns for
-    /// each facet the one that it was part of. Facets that are wrong by themselves stay.
-    pub fn flatten(&mut self) -> Vec<u32> {
-        let mut origin = Vec::with_capacity(self.facets.len());
-        let mut flat = Vec::with_capacity(self.facets.len());
-        for (number, facet) in (0..).zip(std::mem::take(&mut self.facets)) {
-            let simple = facet.polygons.iter().map(Vec::len).sum::<usize>() <= 3;
-            let cut = if simple { None } else { Some(triangulate::facet(&self.vertices, &facet)) };
-            match cut {
-                Some(cut) if !cut.planar && cut.is_sound() => {
-                    origin.extend(cut.triangles.iter().map(|_| number));
-                    flat.extend(cut.triangles.iter().map(|t| Facet::polygon(t, facet.marker)));
-                    let loose = cut.loose.iter().map(|&edge| (edge, facet.marker));
-                    self.segments.extend(loose);
-                }
-                _ => {
-                    origin.push(number);
-                    flat.push(facet);
-                }
-            }
-        }
-        self.facets = flat;
-        origin
-    }
-
-    /// Turns the facets of these numbers round, for example [`DomainReport::inward`].
-    pub fn turn_round(&mut self, facets: &[u32]) {
-        for &f in facets {
-            if let Some(facet) = self.facets.get_mut(f as usize) {
-                facet.polygons.iter_mut().for_each(|polygon| polygon.reverse());
-            }
-        }
     }
 }

@@ -8,3 +8,4 @@ mod domain_lattice;
 mod domain_models;
 mod domain_repair;
 mod domain_segments;
+mod domain_simplify;

@@ -100,6 +100,7 @@ def tetrahedralize(
     holes=None,
     max_points=None,
     repair=0.0,
+    simplify=0.0,
     flat_tolerance=None,
     exact_input=False,
     frame="auto",
@@ -139,11 +140,16 @@ def tetrahedralize(
         The most points to insert; a mesh that needs more has the outcome ``"budget"``.
     repair : float
         Weld vertices within this distance and close seams as far apart.
+    simplify : float
+        Collapse triangles within this distance before meshing, at most 5 % of the diagonal; 0: none.
+        Vertices that are left are vertices of the surface; topology, markers and sharp edges stay.
+        A note of :attr:`Mesh.notes` bounds how far the surfaces are apart.
     flat_tolerance : float, optional
         Facets that are coplanar within this distance are taken for one: triangles of a smooth
         surface that are flat up to rounding. At most 2**-10 of the diagonal; 0: exactly coplanar.
-        By default, for surfaces, the larger of 2**-22 of the diagonal and, where all coordinates
-        are float32 numbers, two steps of the largest.
+        By default, for surfaces, the larger of 2**-22 of the diagonal and what the numbers tell:
+        two steps of the largest where all are float32, two units of the last decimal where they
+        have 5 to 15 digits.
     exact_input : bool
         Refuse a domain that is not exactly on its lattice.
     frame : {"auto", "own", "local"}
@@ -194,6 +200,7 @@ def tetrahedralize(
         holes=_input.holes(holes),
         regions=_regions(regions),
         repair=_input.number(repair, "repair", "repair.type"),
+        simplify=_input.number(simplify, "simplify", "simplify.type"),
         exact_input=_input.truth(exact_input, "exact_input"),
         own_frame=_input.frame(frame),
         check=_input.truth(check, "check"),

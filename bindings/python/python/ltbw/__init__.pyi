@@ -80,6 +80,7 @@ def tetrahedralize(
     holes: Literal["none", "auto"] | ArrayLike | None = ...,
     max_points: int | None = ...,
     repair: float = ...,
+    simplify: float = ...,
     flat_tolerance: float | None = ...,
     exact_input: bool = ...,
     frame: Frame = ...,

@@ -9,7 +9,7 @@ use ltbw_exact::predicates::{PLANES, Sign, collinear, orient2d, orient3d};
 
 /// The kind of contact of two pieces that must not touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Contact {
+pub(crate) enum Contact {
     /// They cross.
     Crossing,
     /// They have an area in common.
@@ -20,8 +20,8 @@ pub(super) enum Contact {
 
 /// The points by which contacts are decided.
 #[derive(Clone, Copy)]
-pub(super) struct Contacts<'a> {
-    pub(super) points: &'a [Point],
+pub(crate) struct Contacts<'a> {
+    pub(crate) points: &'a [Point],
 }
 
 type Triangle = [u32; 3];
@@ -64,14 +64,14 @@ impl<'a> Contacts<'a> {
     }
 
     /// Is a vertex on the line segment, ends included?
-    pub(super) fn on_edge(self, [a, b]: Edge, v: u32) -> bool {
+    pub(crate) fn on_edge(self, [a, b]: Edge, v: u32) -> bool {
         let (a, b, v) = (self.at(a), self.at(b), self.at(v));
         let within = (0..3).all(|k| a[k].min(b[k]) <= v[k] && v[k] <= a[k].max(b[k]));
         within && collinear(a, b, v)
     }
 
     /// Two triangles.
-    pub(super) fn triangles(self, p: Triangle, q: Triangle) -> Option<Contact> {
+    pub(crate) fn triangles(self, p: Triangle, q: Triangle) -> Option<Contact> {
         let shared = p.iter().filter(|v| q.contains(v)).count();
         match shared {
             3 => Some(Contact::Overlap),
@@ -176,7 +176,7 @@ impl<'a> Contacts<'a> {
     }
 
     /// A free-standing edge and a triangle.
-    pub(super) fn edge_on_triangle(self, e: Edge, t: Triangle) -> Option<Contact> {
+    pub(crate) fn edge_on_triangle(self, e: Edge, t: Triangle) -> Option<Contact> {
         let sides = e.map(|v| self.side(t, v));
         match e.iter().filter(|v| t.contains(v)).count() {
             0 => self.edge_and_triangle(e, sides, t),
@@ -186,7 +186,7 @@ impl<'a> Contacts<'a> {
     }
 
     /// Two free-standing edges.
-    pub(super) fn edges(self, e: Edge, f: Edge) -> Option<Contact> {
+    pub(crate) fn edges(self, e: Edge, f: Edge) -> Option<Contact> {
         if e.iter().all(|v| f.contains(v)) {
             return Some(Contact::Overlap);
         }
@@ -204,24 +204,24 @@ impl<'a> Contacts<'a> {
     }
 
     /// Is a point that is no vertex on a triangle?
-    pub(super) fn point_on_triangle(self, p: &Point, t: Triangle) -> bool {
+    pub(crate) fn point_on_triangle(self, p: &Point, t: Triangle) -> bool {
         let [a, b, c] = t.map(|v| self.at(v));
         orient3d(a, b, c, p).is_zero() && self.inside_in_plane(t, p)
     }
 
     /// A vertex that nothing names, and a triangle.
-    pub(super) fn vertex_on_triangle(self, v: u32, t: Triangle) -> Option<Contact> {
+    pub(crate) fn vertex_on_triangle(self, v: u32, t: Triangle) -> Option<Contact> {
         self.point_on_triangle(self.at(v), t).then_some(Contact::Touch(v))
     }
 }
 
 /// The edges of a triangle, each followed by the one at its end.
-pub(super) fn sides_of([a, b, c]: Triangle) -> [Edge; 3] {
+pub(crate) fn sides_of([a, b, c]: Triangle) -> [Edge; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
 /// The side that two triangles have in common.
-pub(super) fn shared_side(t: Triangle, u: Triangle) -> Option<Edge> {
+pub(crate) fn shared_side(t: Triangle, u: Triangle) -> Option<Edge> {
     sides_of(t).into_iter().find(|side| side.iter().all(|v| u.contains(v)))
 }
 

@@ -18,7 +18,7 @@
 mod bodies;
 mod cells;
 mod complex;
-mod contact;
+pub(crate) mod contact;
 mod ends;
 mod exact;
 mod filling;

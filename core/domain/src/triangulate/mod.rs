@@ -80,6 +80,31 @@ impl Domain {
     pub fn triangulate(&self, facet: u32) -> Option<Triangulated> {
         Some(self::facet(&self.vertices, self.facets.get(facet as usize)?))
     }
+
+    /// Cuts facets that are not planar into triangles, each a facet of the same marker; returns for
+    /// each facet the one that it was part of. Facets that are wrong by themselves stay.
+    pub fn flatten(&mut self) -> Vec<u32> {
+        let mut origin = Vec::with_capacity(self.facets.len());
+        let mut flat = Vec::with_capacity(self.facets.len());
+        for (number, facet) in (0..).zip(std::mem::take(&mut self.facets)) {
+            let simple = facet.polygons.iter().map(Vec::len).sum::<usize>() <= 3;
+            let cut = if simple { None } else { Some(self::facet(&self.vertices, &facet)) };
+            match cut {
+                Some(cut) if !cut.planar && cut.is_sound() => {
+                    origin.extend(cut.triangles.iter().map(|_| number));
+                    flat.extend(cut.triangles.iter().map(|t| Facet::polygon(t, facet.marker)));
+                    let loose = cut.loose.iter().map(|&edge| (edge, facet.marker));
+                    self.segments.extend(loose);
+                }
+                _ => {
+                    origin.push(number);
+                    flat.push(facet);
+                }
+            }
+        }
+        self.facets = flat;
+        origin
+    }
 }
 
 /// Triangulates a facet whose corners are indices of `points`.
