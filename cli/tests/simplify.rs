@@ -23,7 +23,9 @@ fn a_surface_of_needles_is_named_with_what_helps_and_that_helps() {
     let left: u64 = rest.split(';').next().unwrap().parse().unwrap();
     assert!(left < 700, "{line}");
     let args = ["mesh", "g.off", "--simplify", tolerance, "-o", "g.vtu", "--json", "-"];
-    let helped = run(dir, &args, 0);
+    let helped = ltbw(dir, &args);
+    // At the poles there are angles below 14.5 degrees, still.
+    assert!(helped.code < 2, "{}", helped.stderr);
     assert!(!helped.stderr.contains("below 5 degrees"), "{}", helped.stderr);
     let simplified = &report(&helped.stdout)["refinement"]["simplified"];
     let [before, after] =
@@ -32,7 +34,7 @@ fn a_surface_of_needles_is_named_with_what_helps_and_that_helps() {
     let bound = ["from_before", "from_after"].map(|n| simplified[n].as_f64().unwrap());
     let tolerance_number: f64 = tolerance.parse().unwrap();
     assert!(bound.iter().all(|&far| far > 0.0 && far <= tolerance_number), "{bound:?}");
-    assert!(helped.stderr.contains("\nsimple    1400 triangles became "), "{}", helped.stderr);
+    assert!(helped.stderr.contains("simple    1400 triangles became "), "{}", helped.stderr);
     // The mesh is one of the simplified surface.
     run(dir, &["check", "g.vtu", "--plc", "g.off", "--simplify", tolerance], 0);
     run(dir, &["check", "g.vtu", "--plc", "g.off"], 1);

@@ -321,21 +321,19 @@ impl Simplifier {
     /// triangles, is no new triangle there already, and no new edge inside a facet?
     fn links(&self, star: &Star, from: u32, onto: u32) -> bool {
         let surface = &self.surface;
-        let is_theirs =
-            |sector: &Sector, k: usize| k == 1 || (sector.closed && k + 1 == sector.ring.len());
         let stays = |u: u32| !surface.beside[u as usize].is_empty();
-        star.sectors.iter().all(|sector| {
-            let others = sector.ring.iter().enumerate().skip(1);
-            let apart = |&(k, &u): &(usize, &u32)| {
-                is_theirs(sector, k)
-                    || (!surface.are_neighbours(onto, u) && !(stays(onto) && stays(u)))
-            };
-            others.clone().all(|other| apart(&other))
-        }) && !surface.stars[onto as usize].iter().any(|&t| {
-            let sides = surface.opposite(t, onto);
-            let both = |s: &Sector| sides.iter().all(|u| s.ring[1..].contains(u));
-            !surface.triangles[t as usize].contains(&from) && star.sectors.iter().any(both)
-        })
+        let may_meet = |sector: &Sector, k: usize| {
+            let (u, last) = (sector.ring[k], sector.closed && k + 1 == sector.ring.len());
+            let meet = surface.are_neighbours(onto, u) || (stays(onto) && stays(u));
+            // The first and the last of a ring are corners of triangles that go.
+            k == 1 || last || !meet
+        };
+        star.sectors.iter().all(|sector| (1..sector.ring.len()).all(|k| may_meet(sector, k)))
+            && !surface.stars[onto as usize].iter().any(|&t| {
+                let sides = surface.opposite(t, onto);
+                let both = |s: &Sector| sides.iter().all(|u| s.ring[1..].contains(u));
+                !surface.triangles[t as usize].contains(&from) && star.sectors.iter().any(both)
+            })
     }
 }
 
