@@ -154,7 +154,8 @@ fn numbers(element: &Element) -> Vec<u32> {
         | Element::Facet(n)
         | Element::Segment(n)
         | Element::Hole(n)
-        | Element::Region(n) => vec![n],
+        | Element::Region(n)
+        | Element::Point(n) => vec![n],
         Element::Polygon { facet, polygon } => vec![facet, polygon],
         Element::FacetHole { facet, hole } => vec![facet, hole],
         Element::Edge(ends) => ends.to_vec(),

@@ -17,6 +17,8 @@
 //! | [`repair`] | what is welded, dropped and closed before the check: [`Repairs`] |
 //! | [`exterior`] | what is no part of a domain is left out |
 //! | `given` | a domain as it is given, and its usual tolerance: [`Given`] |
+//! | [`points`] | points that are to be vertices: [`Placed`] |
+//! | [`skin`] | the domain that a mesh is of: [`Skin`] |
 //! | [`holes`] | what users say of voids: [`Holes`] |
 //! | [`prepare`] | all steps to a domain that can be meshed: [`Prepared`] |
 //! | [`triangulate`] | triangles of a facet, exactly |
@@ -34,10 +36,14 @@ mod given;
 pub mod holes;
 pub mod lattice;
 pub mod plc;
+pub mod points;
 pub mod prepare;
 pub mod quality;
 mod renumber;
 pub mod repair;
+pub mod skin;
+#[doc(hidden)]
+pub mod straight;
 pub mod thickness;
 pub mod triangulate;
 #[doc(hidden)]
@@ -51,8 +57,10 @@ pub use given::{Given, largest_tolerance, usual_tolerance};
 pub use holes::Holes;
 pub use lattice::{Lattice, Move, Snapped};
 pub use plc::{Domain, Facet, Region};
+pub use points::Placed;
 pub use prepare::{Frame, PrepareError, PrepareOptions, Prepared};
 pub use repair::Repairs;
+pub use skin::{Skin, SkinError};
 pub use thickness::Thickness;
 pub use triangulate::{Problem, Triangulated};
 

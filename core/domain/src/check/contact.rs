@@ -64,7 +64,7 @@ impl<'a> Contacts<'a> {
     }
 
     /// Is a vertex on the line segment, ends included?
-    pub(super) fn on_edge(self, [a, b]: Edge, v: u32) -> bool {
+    fn on_edge(self, [a, b]: Edge, v: u32) -> bool {
         let (a, b, v) = (self.at(a), self.at(b), self.at(v));
         let within = (0..3).all(|k| a[k].min(b[k]) <= v[k] && v[k] <= a[k].max(b[k]));
         within && collinear(a, b, v)
@@ -207,11 +207,6 @@ impl<'a> Contacts<'a> {
     pub(super) fn point_on_triangle(self, p: &Point, t: Triangle) -> bool {
         let [a, b, c] = t.map(|v| self.at(v));
         orient3d(a, b, c, p).is_zero() && self.inside_in_plane(t, p)
-    }
-
-    /// A vertex that nothing names, and a triangle.
-    pub(super) fn vertex_on_triangle(self, v: u32, t: Triangle) -> Option<Contact> {
-        self.point_on_triangle(self.at(v), t).then_some(Contact::Touch(v))
     }
 }
 
