@@ -1,6 +1,7 @@
 //! The command line and its help.
 
 use crate::angles::degrees;
+use crate::kinds::{Kind, kinds};
 use crate::lenience::Lenience;
 use crate::numbers::whole;
 use crate::progress::Show;
@@ -8,10 +9,8 @@ use crate::simulate::Simulate;
 use crate::streams::Streams;
 use crate::surface::Preparation;
 use crate::workers::Mode;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use ltbw::points::MAX_POINTS;
-use ltbw_generate::{DomainKind, PointKind};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -27,6 +26,20 @@ Formats, by extension: points .npy .xyz .txt .csv .node .ply, and read only .npz
 domains .poly .smesh .off .obj .stl .ply .vtk; meshes .vtu .vtk .msh .mesh .ele (with
 .node). `-` is stdin or stdout, in the format that --format names: --format npy, say.
 stdout carries data (hash, JSON), stderr what is meant for people.";
+
+const REFINE_EXAMPLES: &str = "\
+Examples:
+  ltbw refine mesh.vtu --max-volume 1e-5 -o finer.vtu
+  ltbw refine mesh.msh --sizes error.mtr -o finer.msh      edge lengths at the mesh's vertices
+  ltbw refine mesh.ele --mark large.txt -o finer.ele       half the volume where it names cells
+  ltbw refine mesh.vtu --plc domain.poly --size 0.1        with the domain that it is a mesh of
+  ltbw refine anybodys.vtu --delaunay -o mesh.vtu          its vertices and its boundary
+
+All vertices of the mesh stay; its boundary, the walls between regions and the faces that it lists
+are the domain, with their markers. A mesh that meets its bounds comes back with the same hash.";
+
+/// The help of `refine` for its argument.
+const MESH: &str = "The mesh: .vtu .vtk .msh .mesh .ele (with .node)";
 
 /// Exact 3D Delaunay meshes: points in, checked mesh out.
 #[derive(Debug, Parser)]
@@ -79,6 +92,10 @@ the mesh is then exact, and lies exactly on its facet. The mesh is of the inside
 --keep-exterior asks for more; tags are regions, 0 the exterior. What cannot be met, near small
 angles of the domain, is excused with its reason; the exit code is 1 where that is not a little.")]
     Mesh(MeshArgs),
+    /// Go on with a mesh: split what is over new bounds, and keep its vertices
+    #[command(after_long_help = REFINE_EXAMPLES)]
+    #[command(mut_arg("domain", |arg| arg.value_name("MESH").help(MESH)))]
+    Refine(Refine),
     /// Check anybody's mesh: what is wrong, exactly and where
     #[command(after_long_help = "\
 Examples:
@@ -340,6 +357,22 @@ pub(crate) struct MeshArgs {
     pub(crate) streams: Streams,
 }
 
+/// `ltbw refine`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Refine {
+    #[command(flatten)]
+    pub(crate) mesh: MeshArgs,
+    /// The domain that it is a mesh of: keeps segments, tolerances and seeds of regions
+    #[arg(long, value_name = "DOMAIN")]
+    pub(crate) plc: Option<PathBuf>,
+    /// Tetrahedra to split, a number a line, from 0 in the order of the file: to half their volume
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mark: Option<PathBuf>,
+    /// Take the vertices and the boundary of a mesh that is not Delaunay
+    #[arg(long)]
+    pub(crate) delaunay: bool,
+}
+
 /// `ltbw check`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Check {
@@ -433,31 +466,11 @@ pub(crate) struct Generate {
     pub(crate) streams: Streams,
 }
 
-/// A kind of point set or domain that `generate` makes.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Kind {
-    /// A point set.
-    Points(PointKind),
-    /// A domain.
-    Domain(DomainKind),
-}
-
 /// A length.
 fn length(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
     let good = value.is_finite() && value > 0.0;
     good.then_some(value).ok_or_else(|| "a length is positive and finite".to_owned())
-}
-
-fn kinds() -> impl TypedValueParser<Value = Kind> {
-    let value = |(name, about)| clap::builder::PossibleValue::new(name).help(about);
-    let points = PointKind::ALL.map(|k| (k.name(), k.about())).into_iter();
-    let domains = DomainKind::ALL.map(|k| (k.name(), k.about())).into_iter();
-    let values = points.chain(domains).map(value);
-    PossibleValuesParser::new(values).try_map(|name| {
-        let domain = name.parse::<DomainKind>().map(Kind::Domain);
-        domain.or_else(|_| name.parse::<PointKind>().map(Kind::Points))
-    })
 }
 
 /// `ltbw demo`.

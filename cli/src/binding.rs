@@ -33,6 +33,10 @@ pub(crate) enum Role {
     Companion,
     /// Points that were removed.
     Without,
+    /// Points that are to be vertices of a domain's mesh.
+    Points,
+    /// Numbers of tetrahedra that are to be split.
+    Mark,
     /// Edge lengths.
     Sizes,
     /// The mesh that they are about, and what belongs to it.
@@ -58,6 +62,11 @@ impl Reads {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let read = Read { role, name, bytes: bytes.len(), sha256: sha256(bytes) };
         self.0.borrow_mut().push(read);
+    }
+
+    /// Adds a file that was read elsewhere, in another part.
+    pub(crate) fn take(&self, role: Role, read: Read) {
+        self.0.borrow_mut().push(Read { role, ..read });
     }
 
     /// The bytes of a file, which are noted.

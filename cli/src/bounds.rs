@@ -3,11 +3,11 @@
 use crate::args::MeshArgs;
 use crate::binding::{Binding, Chosen, Reads, Role, read_beside};
 use crate::console;
-use crate::outcome::Failure;
+use crate::outcome::{Failure, show};
 use crate::workers::Mode;
 use ltbw::domain::Prepared;
-use ltbw::refine::{Background, Refiner};
-use ltbw::{Point, io};
+use ltbw::refine::{Background, BackgroundError, Refiner};
+use ltbw::{Point, TetMesh, io};
 use std::path::Path;
 
 /// The bounds asked for.
@@ -40,30 +40,37 @@ impl Asked {
 pub(crate) type Field = Box<dyn Fn(Point) -> f64 + Sync>;
 
 /// The sizing field of the command line, if it asks for one; the files that it is read from go to
-/// `reads`.
+/// `reads`. Sizes are those at the vertices of the mesh that is gone on with, if one is.
 pub(crate) fn field(
     args: &MeshArgs,
     ready: &Prepared,
     reads: &Reads,
+    own: Option<&TetMesh>,
 ) -> Result<Option<Field>, Failure> {
     let constant = args.size.unwrap_or(f64::INFINITY);
     let Some(path) = &args.sizes else {
         return Ok(args.size.map(|_| -> Field { Box::new(move |_| constant) }));
     };
     let sizes = read_beside(reads, Role::Sizes, path, |path, load| io::read_sizes_by(path, load))?;
-    let failed = |error| Failure::Sizes { path: path.clone(), error };
-    let background = match &args.background {
-        Some(mesh) => {
+    let failed = |error| match error {
+        BackgroundError::Count { .. } if own.is_some() => {
+            Failure::Usage(format!("--sizes {}: {error}", show(path)))
+        }
+        error => Failure::Sizes { path: path.clone(), error },
+    };
+    let background = match (&args.background, own) {
+        (Some(mesh), _) => {
             let read = |path: &Path, load: &mut io::Load<'_>| io::read_mesh_by(path, load);
             let file = read_beside(reads, Role::Background, mesh, read)?;
             Background::new(&file.mesh, &sizes).map_err(failed)?
         }
-        None => Background::at_vertices(ready, &sizes).map_err(failed)?,
+        (None, Some(mesh)) => Background::new(mesh, &sizes).map_err(failed)?,
+        (None, None) => Background::at_vertices(ready, &sizes).map_err(failed)?,
     };
     // A background mesh is in the coordinates of the file, the domain perhaps in those of a frame.
-    let offset = match args.background {
-        Some(_) => ready.lattice.offset(),
-        None => [0.0; 3],
+    let offset = match args.background.is_some() || own.is_some() {
+        true => ready.lattice.offset(),
+        false => [0.0; 3],
     };
     Ok(Some(Box::new(move |p| background.at([0, 1, 2].map(|k| p[k] + offset[k])).min(constant))))
 }
@@ -88,9 +95,9 @@ fn passed_over(letter: char) -> Option<&'static str> {
 fn refused(letter: char) -> &'static str {
     match letter {
         'Y' => "the boundary is split where the mesh must be Delaunay",
-        'i' => "no points are added from a file",
+        'i' => "points are given by --points FILE",
         'm' => "edge lengths are given by --sizes FILE",
-        'r' => "a mesh is not refined again",
+        'r' => "`ltbw refine` goes on with a mesh",
         'w' => "weighted meshes are not made",
         'O' => "a mesh is exactly Delaunay, and not optimised",
         'R' => "a mesh is not coarsened",

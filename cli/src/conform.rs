@@ -31,7 +31,8 @@ pub(crate) fn check(
     let domain = formats.input(plc)?;
     args.preparation.check(&[&args.mesh, plc])?;
     if let Some(json) = &args.json {
-        let inputs = [io::mesh_files(&args.mesh), io::domain_files(plc)].concat();
+        let mut inputs = [io::mesh_files(&args.mesh), io::domain_files(plc)].concat();
+        inputs.extend(args.preparation.points.clone());
         check_report(json, &inputs, args.preparation.write_defects.as_ref())?;
     }
     let stage = Stage::begin("read");

@@ -6,7 +6,7 @@ use crate::json::{check_report, write_json};
 use crate::outcome::{Exit, Failure};
 use crate::progress::Stage;
 use crate::streams::Source;
-use crate::surface::{print_troubles, troubles_json};
+use crate::surface::{given, print_troubles, troubles_json};
 use ltbw::domain::{
     CheckOptions, DefectKind, Domain, DomainDefect, DomainReport, Element, PrepareError,
     PrepareOptions, Prepared, Severity, Snapped,
@@ -73,10 +73,9 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
         check_report(json, &io::domain_files(&args.mesh), other)?;
     }
     let stage = Stage::begin("read");
-    let mut file = source.domain()?;
+    let mut file = args.preparation.read(source)?;
     drop(stage);
     let name = source.show();
-    file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
     let failed = |error: PrepareError| Failure::Domain { path: source.name.clone(), error };
     let options = args.preparation.options(&mut file);
     let PrepareOptions { oriented, nested_voids, .. } = options;
@@ -167,7 +166,12 @@ impl Prospect {
     ) -> Result<Self, PrepareError> {
         let is_filled = report.cells.as_ref().is_none_or(|cells| cells.iter().any(|c| c.filled));
         let is_whole = report.exterior.is_empty() && report.count(DefectKind::Nested) == 0;
-        if report.passed() && snapped.moved == 0 && is_filled && is_whole {
+        if report.passed()
+            && snapped.moved == 0
+            && is_filled
+            && is_whole
+            && domain.points.is_empty()
+        {
             return Ok(Self::default());
         }
         match domain.prepare(options) {
@@ -192,6 +196,7 @@ impl Prospect {
 /// Tells what `mesh` would repair of a domain, leave out, guess, or keep though nothing names it.
 fn print_repairs(ready: &Prepared) {
     ready.notes().iter().for_each(|n| console::people(&format!("repair    {n}")));
+    given(ready).iter().for_each(|line| console::people(line));
     match ready.report.count(DefectKind::UnusedVertex) {
         0 => {}
         1 => console::people("kept      1 vertex that nothing names, inside"),
@@ -330,6 +335,7 @@ fn json_element(element: &Element) -> Value {
         Element::FacetHole { facet, hole } => json!({ "facet": facet, "facet_hole": hole }),
         Element::Hole(h) => json!({ "hole": h }),
         Element::Region(r) => json!({ "region": r }),
+        Element::Point(p) => json!({ "point": p }),
         ref other => json!({ "other": other.to_string() }),
     }
 }

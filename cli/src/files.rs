@@ -1,8 +1,9 @@
 //! `convert` and `generate`: files in and out, without a mesh being built.
 
-use crate::args::{Convert, Generate, Kind};
+use crate::args::{Convert, Generate};
 use crate::console;
 use crate::json::file_writable;
+use crate::kinds::Kind;
 use crate::orient::orientation;
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;

@@ -29,7 +29,7 @@ fn exits(command: &str) -> &'static [(usize, &'static str)] {
     match command {
         PROGRAM => &[(0, ""), (1, ""), (2, ""), (3, ""), (4, ""), (5, ""), (6, ""), (7, "")],
         "delaunay" => &[(0, ""), (2, ""), (3, ""), (4, ""), (5, ""), (6, ""), (7, "")],
-        "mesh" | "demo" => &[
+        "mesh" | "refine" | "demo" => &[
             (0, ""),
             (1, "more is over a bound than may be: the report says where and why"),
             (2, ""),

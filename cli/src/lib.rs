@@ -3,11 +3,13 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `args` | the command line and its help |
+//! | `kinds` | what `generate` makes |
 //! | `numbers` | whole numbers on the command line |
 //! | `refusal` | what is said of a command line that is no command |
 //! | `task` | the pipeline that points and domains go through: files, report, page, end |
 //! | `run` | `delaunay`: read, build, check, hash, write, report |
 //! | `mesh` | `mesh`: read, prepare, refine, check, write, report |
+//! | `refine` | `refine`: a mesh is gone on with |
 //! | `check` | `check`, and the check of our own output |
 //! | `elements` | what `check` tells of a mesh beside its defects |
 //! | `orient` | the orientation of tetrahedra in `convert` |
@@ -58,6 +60,7 @@ mod files;
 mod help;
 mod install;
 mod json;
+mod kinds;
 mod kit;
 mod lenience;
 mod lists;
@@ -77,6 +80,7 @@ mod progress;
 #[cfg(feature = "wire")]
 #[doc(hidden)]
 pub mod ranks;
+mod refine;
 mod refusal;
 mod remedy;
 mod report;
@@ -92,7 +96,7 @@ mod vectors;
 mod without;
 mod workers;
 
-use args::{Args, Command, Delaunay, MeshArgs, Vectors};
+use args::{Args, Command, Delaunay, MeshArgs, Refine, Vectors};
 use clap::Parser;
 use others::Others;
 use outcome::{Exit, Failure};
@@ -140,7 +144,9 @@ fn dispatch(args: Args, backtraces: Option<OsString>, others: Others<'_>) -> Res
         console::be_quiet();
     }
     match &args.command {
-        Command::Delaunay(Delaunay { threads, .. }) | Command::Mesh(MeshArgs { threads, .. }) => {
+        Command::Delaunay(Delaunay { threads, .. })
+        | Command::Mesh(MeshArgs { threads, .. })
+        | Command::Refine(Refine { mesh: MeshArgs { threads, .. }, .. }) => {
             let share = others.map(|others| machine::share(others.size()));
             machine::start_threads(threads.or(share))?;
         }
@@ -149,7 +155,8 @@ fn dispatch(args: Args, backtraces: Option<OsString>, others: Others<'_>) -> Res
     }
     match args.command {
         Command::Delaunay(delaunay) => run::delaunay(&delaunay, others),
-        Command::Mesh(args) => mesh::mesh(&args, others),
+        Command::Mesh(args) => mesh::mesh_from(&args, others, None),
+        Command::Refine(args) => refine::refine(&args, others),
         Command::Check(args) => check::check(&args),
         Command::Convert(convert) => files::convert(&convert),
         Command::Generate(generate) => files::generate(&generate),

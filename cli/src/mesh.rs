@@ -1,6 +1,6 @@
 //! `mesh`: read a domain, prepare it, refine, hash, check, write, report.
 
-use crate::args::{Depth, MeshArgs};
+use crate::args::{Depth, MeshArgs, Refine};
 use crate::bounds::{Asked, Field, asked, binding, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary, tells_all_slivers};
 use crate::console::{self, Stop};
@@ -15,7 +15,8 @@ use crate::pieces::parts_of;
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report, Seconds, quality_json, quality_line};
 use crate::rounds;
-use crate::surface::{print_patches, repairs_json, simplified_json};
+use crate::streams::Source;
+use crate::surface::{given_json, print_patches, repairs_json, simplified_json};
 use crate::task::{Files, Judged, Task};
 use crate::unrecovered;
 use crate::workers::{Crew, Made, Setting, print_workers, refine};
@@ -56,16 +57,37 @@ pub(crate) struct Job<'a> {
     pub(crate) excused_share: f64,
 }
 
-/// `ltbw mesh`.
-pub(crate) fn mesh(args: &MeshArgs, others: Others<'_>) -> Result<Exit, Failure> {
+/// A domain that can be meshed, and what is asked for.
+pub(crate) struct Start {
+    pub(crate) ready: Prepared,
+    pub(crate) flat_tolerance: f64,
+    pub(crate) field: Option<Field>,
+}
+
+impl Start {
+    fn of(args: &MeshArgs, source: &Source) -> Result<Self, Failure> {
+        let (ready, flat_tolerance) = args.preparation.prepare(source)?;
+        let field = field(args, &ready, source.reads(), None)?;
+        Ok(Self { ready, flat_tolerance, field })
+    }
+}
+
+/// `ltbw mesh`, or `ltbw refine` of a mesh.
+pub(crate) fn mesh_from(
+    args: &MeshArgs,
+    others: Others<'_>,
+    going_on: Option<&Refine>,
+) -> Result<Exit, Failure> {
     let start = Instant::now();
     let asked = asked(args)?;
     args.preparation.check(&[&args.domain])?;
     let workers = args.workers.map(u32::from).or(others.map(|others| others.size()));
     let crew = workers.map(|workers| Crew { workers, mode: args.mode });
     // A `.poly` may have its points in a `.node`.
-    let mut inputs = io::domain_files(&args.domain);
+    let mut inputs =
+        going_on.map_or_else(|| io::domain_files(&args.domain), |refine| refine.inputs());
     inputs.extend(args.sizes.clone());
+    inputs.extend(args.preparation.points.clone());
     inputs.extend(args.background.iter().flat_map(io::mesh_files));
     let beside =
         [&args.json, &args.histogram, &args.page, &args.trace, &args.preparation.write_defects];
@@ -85,15 +107,16 @@ pub(crate) fn mesh(args: &MeshArgs, others: Others<'_>) -> Result<Exit, Failure>
     let source = outputs.formats.input(&args.domain)?;
     let stop = Stop::on_signal()?;
     let stage = Stage::begin("prepare");
-    let (ready, flat_tolerance) = args.preparation.prepare(&source)?;
+    let start_with = |refine: &Refine| refine.start(&source);
+    let Start { ready, flat_tolerance, field } =
+        going_on.map_or_else(|| Start::of(args, &source), start_with)?;
     drop(stage);
-    if args.preparation.simplify.is_none() {
+    if going_on.is_none() && args.preparation.simplify.is_none() {
         needles::advice(&ready, flat_tolerance).iter().for_each(|line| console::people(line));
     }
-    let field = field(args, &ready, source.reads())?;
     let job = Job {
         task: Task {
-            command: "mesh",
+            command: if going_on.is_some() { "refine" } else { "mesh" },
             name: &source.name,
             outputs: &outputs,
             json: args.json.as_deref(),
@@ -405,6 +428,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
         },
         "repairs": repairs_json(ready),
         "simplified": simplified_json(ready),
+        "given_points": given_json(ready),
         "flat_tolerance": stats.flat_tolerance,
         "patches_folded": stats.patches_folded,
         "patches_given_up": stats.patches_given_up,

@@ -1,6 +1,6 @@
 //! Exit codes, and errors that print as one line.
 
-use ltbw::domain::PrepareError;
+use ltbw::domain::{PrepareError, SkinError};
 use ltbw::io::IoError;
 use ltbw::refine::{BackgroundError, RefineError};
 use ltbw::{BuildError, PointError};
@@ -53,6 +53,14 @@ pub(crate) enum Failure {
         path: PathBuf,
         /// Why.
         error: PrepareError,
+    },
+    /// The mesh cannot be gone on with.
+    #[error("{}: {error}", show(path))]
+    Mesh {
+        /// The input file.
+        path: PathBuf,
+        /// Why.
+        error: SkinError,
     },
     /// A report that certifies nothing.
     #[error("{}: {why}", show(path))]
@@ -153,12 +161,16 @@ impl Failure {
             | Failure::Refine { error: RefineError::Cancelled, .. } => Exit::Stopped,
             Failure::Refine { error: RefineError::Bound { .. }, .. } => Exit::Usage,
             Failure::Domain {
-                error: PrepareError::Tolerance { .. } | PrepareError::Simplify { .. },
+                error:
+                    PrepareError::Tolerance { .. }
+                    | PrepareError::Simplify { .. }
+                    | PrepareError::SimplifyPoints { .. },
                 ..
             } => Exit::Usage,
             Failure::Read(_)
             | Failure::Points { .. }
             | Failure::Domain { .. }
+            | Failure::Mesh { .. }
             | Failure::Report { .. }
             | Failure::Refine { .. }
             | Failure::Sizes { .. }

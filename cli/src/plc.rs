@@ -11,7 +11,7 @@ pub fn plc_of(domain: &Domain, flat_tolerance: f64) -> Plc {
         marker: f.marker,
     };
     Plc {
-        vertices: domain.vertices.clone(),
+        vertices: domain.vertices.iter().chain(&domain.points).copied().collect(),
         facets: domain.facets.iter().map(facet).collect(),
         segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
         holes: domain.holes.clone(),

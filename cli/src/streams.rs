@@ -272,6 +272,14 @@ impl Source {
         io::read_mesh_file(&self.name).map_err(Failure::Read)
     }
 
+    /// The mesh in it; that it was read is noted.
+    pub(crate) fn noted_mesh(&self) -> Result<MeshFile, Failure> {
+        if self.is_open {
+            return self.mesh();
+        }
+        io::read_mesh_by(&self.name, &mut |path| self.reads.load_first(path)).map_err(Failure::Read)
+    }
+
     /// The hash that it says its mesh has, if it says one.
     pub(crate) fn carried_hash(&self) -> Result<Option<String>, Failure> {
         if !matches!(self.format, Format::Vtu | Format::Msh) {

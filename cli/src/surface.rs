@@ -1,6 +1,7 @@
 //! From a domain's file to a domain that can be meshed: the options that say how, what is told of
 //! repairs, and the surface of what is wrong (`--write-defects`).
 
+use crate::binding::{Role, read_beside};
 use crate::console;
 use crate::json::keep_input;
 use crate::outcome::{Failure, show};
@@ -20,6 +21,13 @@ pub(crate) struct Preparation {
     #[arg(long)]
     #[arg(hide_short_help = true)]
     pub(crate) exact_input: bool,
+    /// Points that are to be vertices of the mesh, too: .npy .xyz .txt .csv .node ...
+    ///
+    /// Within three steps of the lattice of a vertex a point is that vertex, else of an edge or a
+    /// segment on that, else of a facet on that; those outside are left out.
+    #[arg(long, value_name = "FILE")]
+    #[arg(hide_short_help = true)]
+    pub(crate) points: Option<PathBuf>,
     /// Weld vertices within this distance; close seams as wide
     ///
     /// Seams are rows of T-junctions. Open edges get the ends of other open edges near them. Holes
@@ -123,11 +131,31 @@ impl Preparation {
         options
     }
 
+    /// Reads a domain, and the points that are to be vertices, too.
+    pub(crate) fn read(&self, source: &Source) -> Result<DomainFile, Failure> {
+        let mut file = source.domain()?;
+        file.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", source.show())));
+        if let Some(path) = &self.points {
+            let read = |path: &Path, load: &mut io::Load<'_>| io::read_points_by(path, load);
+            let more = read_beside(source.reads(), Role::Points, path, read)?;
+            more.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));
+            file.domain.points.extend(more.points);
+        }
+        Ok(file)
+    }
+
     /// Reads and prepares a domain; tells what was repaired. With the tolerance within which
     /// facets are taken for coplanar.
     pub(crate) fn prepare(&self, source: &Source) -> Result<(Prepared, f64), Failure> {
-        let mut file = source.domain()?;
-        file.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", source.show())));
+        self.prepare_file(self.read(source)?, source)
+    }
+
+    /// Prepares a domain that was read.
+    pub(crate) fn prepare_file(
+        &self,
+        mut file: DomainFile,
+        source: &Source,
+    ) -> Result<(Prepared, f64), Failure> {
         let options = self.options(&mut file);
         let result = file.domain.prepare(&options);
         let report = result.as_ref().err().and_then(PrepareError::report);
@@ -149,7 +177,7 @@ impl Preparation {
     }
 
     /// The tolerance within which facets are taken for coplanar.
-    fn flat(&self, ready: &Prepared, usual: f64) -> Result<f64, Failure> {
+    pub(crate) fn flat(&self, ready: &Prepared, usual: f64) -> Result<f64, Failure> {
         let flat = self.flat_tolerance.unwrap_or(usual);
         let limit = largest_tolerance(&ready.domain);
         if flat > limit {
@@ -162,6 +190,7 @@ impl Preparation {
 
     fn note_repairs(&self, ready: &Prepared) {
         ready.notes().iter().for_each(|n| console::people(&format!("note: {n}")));
+        given(ready).iter().for_each(|line| console::people(line));
         if let Some(tolerance) = self.repair.filter(|_| !ready.repairs.used_tolerance()) {
             console::people(&format!("note: --repair {tolerance:e} changed nothing"));
         }
@@ -185,6 +214,38 @@ impl Preparation {
         console::people(&format!("wrote     {}: {count} facets with defects", show(path)));
         Ok(())
     }
+}
+
+/// The points that are vertices, too, in a line.
+pub(crate) fn given(ready: &Prepared) -> Option<String> {
+    let (placed, count) = (&ready.placed, ready.domain.points.len());
+    if count + placed.doubled == 0 {
+        return None;
+    }
+    let inside = count - placed.on_edges - placed.on_facets;
+    let mut line = format!(
+        "given     {count} points: {inside} inside, {} on facets, {} on edges",
+        placed.on_facets, placed.on_edges
+    );
+    if placed.doubled > 0 {
+        line += &format!("; {} are at a vertex, or given twice", placed.doubled);
+    }
+    if placed.farthest > 0.0 {
+        line += &format!("; the farthest was moved by {:.3e}", placed.farthest);
+    }
+    Some(line)
+}
+
+/// The points that are vertices, too, for the report.
+pub(crate) fn given_json(ready: &Prepared) -> Value {
+    let placed = &ready.placed;
+    json!({
+        "vertices": ready.domain.points.len(),
+        "on_edges": placed.on_edges,
+        "on_facets": placed.on_facets,
+        "doubled": placed.doubled,
+        "farthest_move": placed.farthest,
+    })
 }
 
 /// Tells what the defects of a domain mean, a line for each kind.
@@ -288,6 +349,7 @@ pub(crate) fn repairs_json(ready: &Prepared) -> Value {
         "exterior_facets": r.exterior.len(),
         "exterior_segments": r.exterior_segments,
         "exterior_vertices": r.exterior_vertices,
+        "exterior_points": r.exterior_points,
         "exterior_holes": r.exterior_holes,
     })
 }

@@ -16,6 +16,7 @@ mod page;
 mod parallel;
 mod readback;
 mod readme;
+mod refine;
 mod rejected;
 mod repair;
 #[path = "../../tests/src/require.rs"]

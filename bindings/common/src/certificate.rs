@@ -66,7 +66,7 @@ fn plc_of(domain: &Domain, flat_tolerance: f64) -> Plc {
     };
     Plc {
         flat_tolerance,
-        vertices: domain.vertices.clone(),
+        vertices: domain.vertices.iter().chain(&domain.points).copied().collect(),
         facets: domain.facets.iter().map(facet).collect(),
         segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
         holes: domain.holes.clone(),

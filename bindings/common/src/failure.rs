@@ -154,7 +154,8 @@ fn numbers(element: &Element) -> Vec<u32> {
         | Element::Facet(n)
         | Element::Segment(n)
         | Element::Hole(n)
-        | Element::Region(n) => vec![n],
+        | Element::Region(n)
+        | Element::Point(n) => vec![n],
         Element::Polygon { facet, polygon } => vec![facet, polygon],
         Element::FacetHole { facet, hole } => vec![facet, hole],
         Element::Edge(ends) => ends.to_vec(),
@@ -180,7 +181,9 @@ impl From<PrepareError> for Failure {
     fn from(error: PrepareError) -> Self {
         let class = match error {
             PrepareError::Domain(error) => return error.into(),
-            PrepareError::Tolerance { .. } | PrepareError::Simplify { .. } => Class::Input,
+            PrepareError::Tolerance { .. }
+            | PrepareError::Simplify { .. }
+            | PrepareError::SimplifyPoints { .. } => Class::Input,
             _ => Class::Domain,
         };
         let first = |defect: &DomainDefect| defect.elements.iter().flat_map(numbers).collect();

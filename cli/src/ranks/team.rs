@@ -314,6 +314,7 @@ fn begin<P: Post>(mut args: Args, member: &Member<'_, P>, is_first: bool) -> Res
     match &mut args.command {
         Command::Delaunay(own) => own.for_ranks(is_first)?,
         Command::Mesh(own) => own.for_ranks(is_first)?,
+        Command::Refine(own) => own.mesh.for_ranks(is_first)?,
         _ => {
             let text = "the processes of a job have two commands, delaunay and mesh";
             return Err(Failure::Usage(text.to_owned()));

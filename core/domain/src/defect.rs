@@ -13,6 +13,8 @@ use std::fmt;
 pub enum Element {
     /// A vertex.
     Vertex(u32),
+    /// A point that is to be a vertex of the mesh.
+    Point(u32),
     /// A facet.
     Facet(u32),
     /// A polygon of a facet.
@@ -50,6 +52,7 @@ impl fmt::Display for Element {
             Element::Segment(s) => write!(f, "segment {s}"),
             Element::FacetHole { facet, hole } => write!(f, "facet {facet} hole {hole}"),
             Element::Hole(h) => write!(f, "hole {h}"),
+            Element::Point(p) => write!(f, "point {p}"),
             Element::Region(r) => write!(f, "region {r}"),
         }
     }

@@ -1,5 +1,6 @@
 //! Reports for people: one line, or few.
 
+use crate::DefectKind;
 use crate::check::DomainReport;
 use crate::quality::{Histogram, Quality};
 use std::fmt;
@@ -60,6 +61,27 @@ impl fmt::Display for Quality {
         write!(f, "{tets}\n{dihedral}\n{radius_edge}\n{volume}\n{edge}\n")?;
         write!(f, "scaled Jacobian: at least {least:.4}")
     }
+}
+
+/// The gravest defects in a line: how many of each kind, the first one, and what they mean for the
+/// bodies of the surface.
+pub(crate) fn summary(report: &DomainReport) -> String {
+    let gravest = report.severity();
+    let grave = |kind: &DefectKind| Some(kind.severity()) == gravest;
+    let counts: Vec<String> = report
+        .counts
+        .iter()
+        .filter(|(kind, _)| grave(kind))
+        .map(|(kind, count)| format!("{count} {}", kind.code()))
+        .collect();
+    let first = report.defects.iter().find(|d| grave(&d.kind));
+    let first = first.map(|d| format!("; the first: {d}")).unwrap_or_default();
+    let troubles: Vec<String> = report.troubles.iter().map(ToString::to_string).collect();
+    let troubles = match troubles.is_empty() {
+        true => String::new(),
+        false => format!("; of {} bodies: {}", report.bodies, troubles.join("; ")),
+    };
+    format!("defects: {}{first}{troubles}", counts.join(", "))
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ fn without<T>(list: &mut Vec<T>, numbers: &[u32]) {
 impl Domain {
     /// The domain without these vertices, which nothing names, ascending; and for each vertex its
     /// new number or [`LEFT_OUT`].
-    fn without_vertices(mut self, vertices: &[u32]) -> (Self, Vec<u32>) {
+    pub(crate) fn without_vertices(mut self, vertices: &[u32]) -> (Self, Vec<u32>) {
         let mut map: Vec<u32> = Vec::with_capacity(self.vertices.len());
         let (mut kept, mut next) = (0, vertices.iter().copied().peekable());
         for v in 0..self.vertices.len() as u32 {
@@ -44,7 +44,7 @@ impl Domain {
     }
 
     /// The vertices that facets and segments name, each as often as they do.
-    fn named(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn named(&self) -> impl Iterator<Item = u32> + '_ {
         let corners = self.facets.iter().flat_map(|f| f.polygons.iter().flatten());
         corners.chain(self.segments.iter().flat_map(|(ends, _)| ends)).copied()
     }

@@ -129,6 +129,14 @@ impl Lattice {
         // Adding 0.0 turns -0.0 into 0.0.
         [0, 1, 2].map(|k| near(k) * self.step() + 0.0)
     }
+
+    /// The point of the fine grid nearest to a point of the input, in snapped coordinates.
+    #[must_use]
+    pub fn nearest_fine(&self, p: &Point) -> Point {
+        let inverse = power_of_two(PARAMETER_BITS - self.exponent);
+        let near = |k: usize| ((p[k] - self.offset[k]) * inverse).round_ties_even();
+        [0, 1, 2].map(|k| near(k) * self.fine_step() + 0.0)
+    }
 }
 
 /// The coordinates of `p` in steps of 2^exponent, if they are whole and below 2^bits or equal.
@@ -172,7 +180,8 @@ pub struct Move {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapped {
     /// The domain, every vertex on the grid. In a local frame all its points are relative to
-    /// [`Lattice::offset`]. Points of holes and regions are not snapped.
+    /// [`Lattice::offset`]. Points of holes and regions are not snapped, and those that are to be
+    /// vertices only to the grid of all points of a mesh.
     pub domain: Domain,
     /// The lattice.
     pub lattice: Lattice,
@@ -247,6 +256,7 @@ impl Domain {
         let seeds = domain.holes.iter_mut().chain(domain.regions.iter_mut().map(|r| &mut r.seed));
         let facet_holes = domain.facets.iter_mut().flat_map(|f| &mut f.holes);
         seeds.chain(facet_holes).for_each(|p| *p = relative(p));
+        domain.points.iter_mut().for_each(|p| *p = lattice.nearest_fine(p));
         Snapped { domain, lattice, moved, largest, diagonal: self.diagonal() }
     }
 }

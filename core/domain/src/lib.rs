@@ -18,6 +18,8 @@
 //! | [`repair`] | what is welded, dropped and closed before the check: [`Repairs`] |
 //! | [`exterior`] | what is no part of a domain is left out |
 //! | `given` | a domain as it is given, and its usual tolerance: [`Given`] |
+//! | [`points`] | points that are to be vertices: [`Placed`] |
+//! | [`skin`] | the domain that a mesh is of: [`Skin`] |
 //! | [`holes`] | what users say of voids: [`Holes`] |
 //! | [`prepare`] | all steps to a domain that can be meshed: [`Prepared`] |
 //! | [`simplify`] | triangles of a surface are collapsed within a tolerance: [`Simplified`] |
@@ -37,11 +39,15 @@ pub mod holes;
 pub mod lattice;
 mod needles;
 pub mod plc;
+pub mod points;
 pub mod prepare;
 pub mod quality;
 mod renumber;
 pub mod repair;
 pub mod simplify;
+pub mod skin;
+#[doc(hidden)]
+pub mod straight;
 pub mod thickness;
 pub mod triangulate;
 #[doc(hidden)]
@@ -56,9 +62,11 @@ pub use holes::Holes;
 pub use lattice::{Lattice, Move, Snapped};
 pub use needles::Needles;
 pub use plc::{Domain, Facet, Region};
+pub use points::Placed;
 pub use prepare::{Frame, PrepareError, PrepareOptions, Prepared};
 pub use repair::Repairs;
 pub use simplify::{Simplified, largest_simplification};
+pub use skin::{Skin, SkinError};
 pub use thickness::Thickness;
 pub use triangulate::{Problem, Triangulated};
 

@@ -10,6 +10,8 @@ use ltbw_exact::points::MAX_POINTS;
 pub struct Domain {
     /// Vertices. Facets and segments name them by index.
     pub vertices: Vec<Point>,
+    /// Points that are to be vertices of the mesh, too: inside, on facets, on segments.
+    pub points: Vec<Point>,
     /// Facets.
     pub facets: Vec<Facet>,
     /// Free-standing segments, each with its marker.
@@ -81,6 +83,7 @@ impl Domain {
         // Beyond the last index no vertex is named, as the check of the structure says.
         let shift = |v: &mut u32| *v = v.saturating_add(first);
         self.vertices.extend(other.vertices);
+        self.points.extend(other.points);
         self.facets.extend(other.facets.into_iter().map(|mut facet| {
             facet.polygons.iter_mut().flatten().for_each(shift);
             facet
@@ -103,8 +106,9 @@ impl Domain {
         if self.facets.iter().all(|f| f.polygons.is_empty()) {
             return Err(DomainError::Empty);
         }
-        if self.vertices.len() > MAX_POINTS {
-            return Err(DomainError::TooManyVertices { count: self.vertices.len() });
+        let count = self.vertices.len() + self.points.len();
+        if count > MAX_POINTS {
+            return Err(DomainError::TooManyVertices { count });
         }
         self.check_numbers()?;
         for (f, facet) in (0..).zip(&self.facets) {
@@ -133,6 +137,9 @@ impl Domain {
         };
         for (v, &p) in (0..).zip(&self.vertices) {
             finite(Element::Vertex(v), p)?;
+        }
+        for (n, &p) in (0..).zip(&self.points) {
+            finite(Element::Point(n), p)?;
         }
         for (facet, f) in (0..).zip(&self.facets) {
             for (hole, &p) in (0..).zip(&f.holes) {

@@ -7,8 +7,10 @@
 //! domain itself is wrong or has features below the lattice.
 
 use crate::check::same_place;
+use crate::display::summary;
 use crate::exterior::{LEFT_OUT, Settled};
-use crate::renumber::{in_numbers_of_input, rename};
+use crate::points::Placed;
+use crate::renumber::{in_numbers_of_input, others, rename};
 use crate::repair::{Repairs, Surface, weld};
 use crate::simplify::{self, Simplified};
 use crate::{CheckOptions, Domain, DomainError, DomainReport, Lattice, Move, Snapped};
@@ -67,7 +69,10 @@ pub struct Prepared {
     /// The farthest move, if any vertex moved, with the number of the vertex in the input.
     pub largest: Option<Move>,
     /// For each vertex of the input its number in the domain; [`LEFT_OUT`] if it is no part of it.
+    /// One at the boundary that nothing names is one of [`Domain::points`]: see [`Placed::map`].
     pub vertex_map: Vec<u32>,
+    /// The points that are to be vertices, and where they are.
+    pub placed: Placed,
     /// For each facet of the domain the facet of the input that it is part of.
     pub facet_map: Vec<u32>,
     /// The findings of the check: nothing graver than warnings. Elements are those of the domain.
@@ -95,7 +100,9 @@ impl Prepared {
         notes.extend(nested(&self.report));
         notes
     }
+}
 
+impl Prepared {
     /// This domain with its surface simplified, and checked once more.
     fn simplify(mut self, options: &PrepareOptions) -> Result<Self, PrepareError> {
         let (value, limit) = (options.simplify, simplify::largest_simplification(&self.domain));
@@ -136,6 +143,20 @@ impl Prepared {
         self.repairs.exterior_vertices += count - numbers.len();
         if let Some(largest) = &mut self.largest {
             largest.vertex = numbers[largest.vertex as usize];
+        }
+    }
+
+    /// Gives vertices their numbers in the input, which has `count` of them: those at the boundary
+    /// that nothing names, `spare`, are the first points here.
+    fn with_spare(&mut self, spare: &[u32], count: usize) {
+        let left_out = self.repairs.exterior_vertices;
+        if self.simplified.is_some() {
+            self.placed.map.resize(spare.len(), LEFT_OUT);
+        }
+        self.renumbered(&others(spare, count), count);
+        self.repairs.exterior_vertices = left_out;
+        for (&v, number) in spare.iter().zip(self.placed.map.drain(..spare.len())) {
+            self.vertex_map[v as usize] = number;
         }
     }
 }
@@ -186,6 +207,13 @@ pub enum PrepareError {
         /// The largest one.
         limit: f64,
     },
+    /// Points are given in a domain whose surface is to be simplified: they might not be on it, or
+    /// in it, afterwards.
+    #[error("{count} points are given: the surface cannot be simplified around them")]
+    SimplifyPoints {
+        /// Their number.
+        count: usize,
+    },
     /// It has defects. Elements are those of the input.
     #[error("{}", summary(.0))]
     Defects(Box<DomainReport>),
@@ -220,6 +248,7 @@ impl PrepareError {
             PrepareError::Domain(error) => error.code(),
             PrepareError::Tolerance { .. } => "domain.tolerance",
             PrepareError::Simplify { .. } => "domain.simplify",
+            PrepareError::SimplifyPoints { .. } => "domain.simplify-points",
             PrepareError::Defects(_) => "domain.defects",
             PrepareError::BelowLattice { .. } => "domain.below-lattice",
             PrepareError::Strict { .. } => "domain.strict",
@@ -238,7 +267,9 @@ impl PrepareError {
             _ => None,
         }
     }
+}
 
+impl PrepareError {
     /// Gives vertices, in a domain that is a part of the input, their numbers in the input.
     fn renumbered(mut self, numbers: &[u32]) -> Self {
         match &mut self {
@@ -253,27 +284,6 @@ impl PrepareError {
         }
         self
     }
-}
-
-/// The gravest defects in a line: how many of each kind, the first one, and what they mean for the
-/// bodies of the surface.
-fn summary(report: &DomainReport) -> String {
-    let gravest = report.severity();
-    let grave = |kind: &DefectKind| Some(kind.severity()) == gravest;
-    let counts: Vec<String> = report
-        .counts
-        .iter()
-        .filter(|(kind, _)| grave(kind))
-        .map(|(kind, count)| format!("{count} {}", kind.code()))
-        .collect();
-    let first = report.defects.iter().find(|d| grave(&d.kind));
-    let first = first.map(|d| format!("; the first: {d}")).unwrap_or_default();
-    let troubles: Vec<String> = report.troubles.iter().map(ToString::to_string).collect();
-    let troubles = match troubles.is_empty() {
-        true => String::new(),
-        false => format!("; of {} bodies: {}", report.bodies, troubles.join("; ")),
-    };
-    format!("defects: {}{first}{troubles}", counts.join(", "))
 }
 
 fn distance(p: &Point, q: &Point) -> f64 {
@@ -300,7 +310,17 @@ impl Domain {
     /// Why it cannot be meshed.
     pub fn prepare(&self, options: &PrepareOptions) -> Result<Prepared, PrepareError> {
         self.check_structure()?;
-        let (near, numbers) = self.near();
+        let (mut own, spare) = self.part_spare();
+        if options.simplify != 0.0 {
+            if !self.points.is_empty() {
+                return Err(PrepareError::SimplifyPoints { count: self.points.len() });
+            }
+            // Vertices at the boundary that nothing names would not be on the simpler one.
+            if !own.points.is_empty() {
+                own.to_mut().points.clear();
+            }
+        }
+        let (near, numbers) = own.near();
         let mut prepared = near.prepare_near(options);
         if options.simplify != 0.0
             && let Ok(sound) = prepared
@@ -310,7 +330,14 @@ impl Domain {
         if let Some(numbers) = numbers {
             prepared = prepared.map_err(|error| error.renumbered(&numbers));
             if let Ok(prepared) = &mut prepared {
-                prepared.renumbered(&numbers, self.vertices.len());
+                prepared.renumbered(&numbers, own.vertices.len());
+            }
+        }
+        if !spare.is_empty() {
+            let numbers = others(&spare, self.vertices.len());
+            prepared = prepared.map_err(|error| error.renumbered(&numbers));
+            if let Ok(prepared) = &mut prepared {
+                prepared.with_spare(&spare, self.vertices.len());
             }
         }
         let prepared = prepared?;
@@ -334,11 +361,16 @@ impl Domain {
         if surface.domain.facets.is_empty() {
             return Err(self.nothing_left(options, &checks)?);
         }
+        let mut placed = Placed::default();
         let Settled { mut report, whole, left } = surface.settle(&checks, &mut repairs)?;
         if let Some(left) = left {
             vertex_map.iter_mut().for_each(|number| *number = left[*number as usize]);
         }
+        if report.is_meshable() {
+            placed = surface.place_points(&lattice, &checks, &mut repairs)?;
+        }
         let Surface { mut domain, origin: facet_map, .. } = surface;
+        let whole = whole.map(|whole| Self { points: domain.points.clone(), ..whole });
         if !report.is_meshable() {
             in_numbers_of_input(&mut report, &vertex_map, &facet_map);
             return Err(self.refusal(report, moved, &lattice, &repairs, &checks)?);
@@ -358,6 +390,7 @@ impl Domain {
             moved,
             largest,
             vertex_map,
+            placed,
             facet_map,
             report,
             repairs,
@@ -388,14 +421,17 @@ impl Domain {
     /// the lattice, if that is refused.
     pub fn snap_by(&self, options: &PrepareOptions) -> Result<Snapped, PrepareError> {
         self.check_structure()?;
-        let (near, numbers) = self.near();
-        let snapped = near.snap_near(options);
-        let Some(numbers) = numbers else { return snapped };
-        let mut snapped = snapped.map_err(|error| error.renumbered(&numbers))?;
-        if let Some(largest) = &mut snapped.largest {
-            largest.vertex = numbers[largest.vertex as usize];
+        let (own, spare) = self.part_spare();
+        let (near, numbers) = own.near();
+        let mut snapped = near.snap_near(options);
+        let spare = (!spare.is_empty()).then(|| others(&spare, self.vertices.len()));
+        for numbers in numbers.into_iter().chain(spare) {
+            snapped = snapped.map_err(|error| error.renumbered(&numbers));
+            if let Ok(Snapped { largest: Some(largest), .. }) = &mut snapped {
+                largest.vertex = numbers[largest.vertex as usize];
+            }
         }
-        Ok(snapped)
+        snapped
     }
 
     fn snap_near(&self, options: &PrepareOptions) -> Result<Snapped, PrepareError> {

@@ -35,7 +35,7 @@ pub(crate) fn rename(
         | Element::FacetHole { facet: f, .. } => {
             *f = facet(*f);
         }
-        Element::Segment(_) | Element::Hole(_) | Element::Region(_) => {}
+        Element::Point(_) | Element::Segment(_) | Element::Hole(_) | Element::Region(_) => {}
     };
     let firsts = report.troubles.iter_mut().filter_map(|t| t.first.as_mut());
     let defects = report.defects.iter_mut().chain(firsts);
@@ -46,4 +46,9 @@ pub(crate) fn rename(
         trouble.facets.dedup();
     }
     report.inward.iter_mut().for_each(|f| *f = facet(*f));
+}
+
+/// The numbers below `count` that are not in an ascending list.
+pub(crate) fn others(list: &[u32], count: usize) -> Vec<u32> {
+    (0..count as u32).filter(|v| list.binary_search(v).is_err()).collect()
 }

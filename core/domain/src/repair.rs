@@ -10,6 +10,8 @@
 //! Cost: about n log n; at most `NEIGHBOURS` near vertices of a vertex are looked at, and seams
 //! are closed in at most `ROUNDS` rounds.
 
+mod notes;
+
 use crate::check::same_place;
 use crate::vector::{distance2, dot, minus};
 use crate::{CheckOptions, Domain, DomainError, DomainReport, Facet};
@@ -60,6 +62,8 @@ pub struct Repairs {
     pub exterior_segments: usize,
     /// Vertices outside that were left out because nothing names them, or nothing that was kept.
     pub exterior_vertices: usize,
+    /// Points that were to be vertices and are outside.
+    pub exterior_points: usize,
     /// Hole points that are outside without these facets.
     pub exterior_holes: usize,
 }
@@ -92,76 +96,6 @@ impl Repairs {
             self.welded_by_tolerance += usize::from(distance >= step);
             self.farthest_weld = self.farthest_weld.max(distance);
         }
-    }
-
-    /// The changes, a line for each kind.
-    #[must_use]
-    pub fn notes(&self) -> Vec<String> {
-        let count =
-            |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
-        let first = |facets: &[u32]| {
-            facets.first().map_or(String::new(), |f| format!(" (first: facet {f})"))
-        };
-        let mut notes = Vec::new();
-        if self.welded > 0 {
-            let vertices = count(self.welded, "vertex was", "vertices were");
-            let by = self.welded_by_tolerance;
-            let by =
-                if by > 0 { format!(", {by} of them by the tolerance") } else { String::new() };
-            notes.push(format!(
-                "{vertices} welded to others, the farthest over {:.3e}{by}",
-                self.farthest_weld
-            ));
-        }
-        if !self.degenerate.is_empty() {
-            let facets = count(self.degenerate.len(), "facet", "facets");
-            notes.push(format!("{facets} without area dropped{}", first(&self.degenerate)));
-        }
-        if self.spliced > 0 {
-            let vertices = count(self.spliced, "vertex", "vertices");
-            notes.push(format!("{vertices} of dropped facets put into the edges that they are on"));
-        }
-        if !self.doubled.is_empty() {
-            let facets = count(self.doubled.len(), "facet", "facets");
-            notes.push(format!("{facets} given before dropped{}", first(&self.doubled)));
-        }
-        if !self.inner.is_empty() {
-            let facets = count(self.inner.len(), "facet", "facets");
-            notes.push(format!(
-                "{facets} given once from either side: one inner facet each{}",
-                first(&self.inner)
-            ));
-        }
-        if self.seams > 0 {
-            let vertices = count(self.seams, "vertex", "vertices");
-            notes.push(format!("{vertices} put into open edges near them: seams closed"));
-        }
-        notes.extend(self.left_out());
-        notes
-    }
-
-    /// A line for each kind of what was left out.
-    fn left_out(&self) -> Vec<String> {
-        let facets = |facets: &[u32], why: &str| {
-            let first = facets.first()?;
-            let s = if facets.len() == 1 { "" } else { "s" };
-            Some(format!("{} facet{s} left out: {why} (first: facet {first})", facets.len()))
-        };
-        let others = |count: usize, [one, many]: [&str; 2], why: &str| {
-            let name = if count == 1 { one } else { many };
-            (count > 0).then(|| format!("{count} {name} left out: {why}"))
-        };
-        let around = "nothing but exterior around";
-        let unused = "outside, and of nothing that is kept";
-        let notes = [
-            facets(&self.flaps, "given from either side, and nothing between"),
-            facets(&self.ends, "ends in the exterior"),
-            facets(&self.exterior, around),
-            others(self.exterior_segments, ["segment", "segments"], around),
-            others(self.exterior_vertices, ["vertex", "vertices"], unused),
-            others(self.exterior_holes, ["hole point", "hole points"], "outside without these"),
-        ];
-        notes.into_iter().flatten().collect()
     }
 }
 

@@ -312,3 +312,23 @@ fn tolerances_that_make_no_sense_are_refused() {
         assert_eq!(error.code(), "domain.simplify");
     }
 }
+
+/// What they were on may be gone afterwards.
+#[test]
+fn points_are_not_given_in_a_surface_that_is_simplified() {
+    let mut ball = surfaces::globe(6, 8, 0.0, 1);
+    ball.points.push([0.0; 3]);
+    let options = PrepareOptions { simplify: 1e-3, ..PrepareOptions::default() };
+    let error = ball.prepare(&options).unwrap_err();
+    assert_eq!(error, PrepareError::SimplifyPoints { count: 1 });
+    assert_eq!(error.code(), "domain.simplify-points");
+    // A vertex on the surface that nothing names is no vertex of the simpler one.
+    ball.points.clear();
+    let without = prepared(&ball, 1e-3, false);
+    let corners = triangles(&ball)[0];
+    let spare = ball.vertices.len();
+    ball.vertices.push([0, 1, 2].map(|k| (corners[0][k] + corners[1][k]) / 2.0));
+    let with = prepared(&ball, 1e-3, false);
+    assert_eq!(with.domain, without.domain);
+    assert_eq!(with.vertex_map[spare], ltbw_domain::LEFT_OUT);
+}

@@ -106,6 +106,7 @@ pub fn not_kept(domain: &Domain, format: Format) -> Vec<String> {
     };
     say(!domain.holes.is_empty(), "holes");
     say(!domain.regions.is_empty(), "regions");
+    say(!domain.points.is_empty(), "points that are to be vertices");
     say(!domain.segments.is_empty(), "free-standing segments");
     let marked = domain.facets.iter().any(|f| f.marker != 0);
     say(marked && !matches!(format, Format::Ply | Format::Vtk), "markers of facets");

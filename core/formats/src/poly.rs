@@ -335,7 +335,9 @@ fn push_corners(row: &mut Vec<u8>, corners: &[u32], marker: Option<i32>) {
 }
 
 fn write_points(out: &mut dyn Write, domain: &Domain) -> std::io::Result<()> {
-    super::tetgen::write_node(out, &domain.vertices, None)
+    let points: Vec<ltbw_core::Point> =
+        domain.vertices.iter().chain(&domain.points).copied().collect();
+    super::tetgen::write_node(out, &points, None)
 }
 
 /// Holes and regions.

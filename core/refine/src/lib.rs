@@ -20,7 +20,8 @@
 //! | `output` | the mesh as plain arrays; what is over its bounds, and why |
 //!
 //! At the root: the insertion of a point (`fill`), reasons (`outcome`), tables, arrays for threads
-//! (`sync`), flat tetrahedra as they come (`thin`), a mesh written whole (`whole`).
+//! (`sync`), flat tetrahedra as they come (`thin`), a mesh written whole (`whole`), a mesh gone on
+//! with (`resume`).
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
@@ -36,6 +37,7 @@ mod output;
 mod patch_tests;
 mod patches;
 mod queue;
+mod resume;
 mod rounds;
 mod rules;
 mod run;
@@ -54,6 +56,7 @@ use ltbw_exact::points::PointError;
 
 pub use complex::background::{Background, BackgroundError};
 pub use complex::carrier::Carrier;
+pub use complex::marked::Marked;
 pub use mesh::bounds::SizeField;
 pub use mesh::item::Item;
 #[doc(hidden)]
@@ -63,6 +66,7 @@ pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats, Sliver, Spot};
 pub use output::excuse::Excused;
 pub use output::refined::Refined;
 pub use output::share::{ExcusedShare, Verdict};
+pub use resume::ResumeError;
 #[doc(hidden)]
 pub use rounds::{Bad, Keys, Ranked, are_joined};
 pub use rounds::{InsertOrder, RoundTimes};

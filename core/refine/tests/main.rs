@@ -1,3 +1,5 @@
 //! The tests of the crate: one program, a module a subject.
 
+mod given_points;
 mod regions;
+mod resume;

@@ -1,4 +1,5 @@
-//! A domain as triangles, free-standing edges and unused vertices, with an index over their boxes.
+//! A domain as triangles and free-standing edges, with an index over their boxes; vertices that
+//! nothing names, which may lie anywhere.
 
 use super::Findings;
 use super::contact::sides_of;
@@ -12,7 +13,7 @@ use std::collections::HashMap;
 
 /// A piece of a complex: its number, and the box around it.
 ///
-/// Pieces are numbered triangles first, then edges, then vertices.
+/// Pieces are numbered triangles first, then edges.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
     pub(super) number: u32,
@@ -46,7 +47,6 @@ impl Piece {
 pub(super) enum Shape {
     Triangle([u32; 3]),
     Edge([u32; 2]),
-    Vertex(u32),
 }
 
 /// A domain in pieces. Vertices of equal coordinates have one number here: the least.
@@ -207,7 +207,7 @@ impl<'a> Complex<'a> {
 
     /// The number of pieces.
     pub(super) fn count(&self) -> usize {
-        self.triangles.len() + self.loose.len() + self.unused.len()
+        self.triangles.len() + self.loose.len()
     }
 
     /// A piece by its number.
@@ -216,11 +216,7 @@ impl<'a> Complex<'a> {
         if let Some(&triangle) = self.triangles.get(number) {
             return Shape::Triangle(triangle);
         }
-        let number = number - self.triangles.len();
-        match self.loose.get(number) {
-            Some(&(edge, _)) => Shape::Edge(edge),
-            None => Shape::Vertex(self.unused[number - self.loose.len()]),
-        }
+        Shape::Edge(self.loose[number - self.triangles.len()].0)
     }
 
     /// The element of the domain that a piece is part of.
@@ -229,7 +225,6 @@ impl<'a> Complex<'a> {
         match self.shape(number) {
             Shape::Triangle(_) => Element::Facet(self.facet_of[n]),
             Shape::Edge(_) => self.loose[n - self.triangles.len()].1,
-            Shape::Vertex(v) => Element::Vertex(v),
         }
     }
 
@@ -246,7 +241,6 @@ impl<'a> Complex<'a> {
         match self.shape(number) {
             Shape::Triangle(t) => (t.map(at), 3),
             Shape::Edge([a, b]) => ([a, b, a].map(at), 2),
-            Shape::Vertex(v) => ([at(v); 3], 1),
         }
     }
 

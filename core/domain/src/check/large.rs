@@ -80,7 +80,6 @@ impl<'c> Large<'c> {
                 outline.is_apart(self.complex, &t, &draws)
             }
             Shape::Edge(e) => outline.is_apart(self.complex, &e, &|_| true),
-            Shape::Vertex(v) => outline.is_apart(self.complex, &[v], &|_| true),
         }
     }
 }

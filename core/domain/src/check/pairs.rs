@@ -122,10 +122,8 @@ pub(super) fn contact(complex: &Complex<'_>, number: u32, other: u32) -> Option<
             (!complex.draws(number, e)).then_some(Contact::Crossing)
         }
         (Shape::Triangle(t), Shape::Edge(e)) => contacts.edge_on_triangle(e, t),
-        (Shape::Triangle(t), Shape::Vertex(v)) => contacts.vertex_on_triangle(v, t),
         (Shape::Edge(e), Shape::Edge(f)) => contacts.edges(e, f),
-        (Shape::Edge(e), Shape::Vertex(v)) => contacts.on_edge(e, v).then_some(Contact::Touch(v)),
-        // The rest are vertices, which are distinct, or in the other order.
+        // The rest is in the other order.
         _ => None,
     }
 }
@@ -146,7 +144,6 @@ fn report(complex: &Complex<'_>, found: Found, told: &mut HashSet<Told>, finding
         let names = |n: u32| match complex.shape(n) {
             Shape::Triangle(t) => t.contains(&v),
             Shape::Edge(e) => e.contains(&v),
-            Shape::Vertex(w) => w == v,
         };
         let touched = if names(one) { b } else { a };
         elements = vec![vertex, touched];
@@ -159,7 +156,6 @@ fn report(complex: &Complex<'_>, found: Found, told: &mut HashSet<Told>, finding
     let corners = |n: u32| match complex.shape(n) {
         Shape::Triangle(t) => t.map(point).to_vec(),
         Shape::Edge(e) => e.map(point).to_vec(),
-        Shape::Vertex(v) => vec![point(v)],
     };
     let at = match contact {
         Contact::Touch(v) => vec![point(v)],

@@ -303,7 +303,6 @@ impl Parting<'_> {
         let has = |n: u32, v: u32| match self.complex.shape(n) {
             Shape::Triangle(t) => t.contains(&v),
             Shape::Edge(e) => e.contains(&v),
-            Shape::Vertex(w) => w == v,
         };
         let Shape::Triangle(first) = self.complex.shape(*list.first()?) else { return None };
         let v = first.into_iter().find(|&v| list.iter().all(|&n| has(n, v)))?;

@@ -55,10 +55,18 @@ pub enum BackgroundError {
 
 /// A tetrahedron in the tree: its box, and its place in the list.
 #[derive(Clone, Copy, Debug)]
-struct Leaf {
+pub(super) struct Leaf {
     low: Point,
     high: Point,
-    tet: u32,
+    pub(super) tet: u32,
+}
+
+impl Leaf {
+    pub(super) fn of(tet: u32, p: &[Point; 4]) -> Self {
+        let fold =
+            |f: fn(f64, f64) -> f64| [0, 1, 2].map(|k| p.iter().map(|p| p[k]).fold(p[0][k], f));
+        Self { low: fold(f64::min), high: fold(f64::max), tet }
+    }
 }
 
 impl RTreeObject for Leaf {
@@ -109,12 +117,8 @@ impl Background {
         if mesh.tets.is_empty() {
             return Err(BackgroundError::Empty);
         }
-        let leaves = (0..).zip(&mesh.tets).map(|(tet, v)| {
-            let p = v.map(|v| mesh.points[v as usize]);
-            let fold =
-                |f: fn(f64, f64) -> f64| [0, 1, 2].map(|k| p.iter().map(|p| p[k]).fold(p[0][k], f));
-            Leaf { low: fold(f64::min), high: fold(f64::max), tet }
-        });
+        let corners = |v: &[u32; 4]| v.map(|v| mesh.points[v as usize]);
+        let leaves = (0..).zip(&mesh.tets).map(|(tet, v)| Leaf::of(tet, &corners(v)));
         let used = (0..).zip(&mesh.points).map(|(v, &p)| GeomWithData::new(p, v));
         Ok(Self {
             boxes: RTree::bulk_load(leaves.collect()),
@@ -143,20 +147,26 @@ impl Background {
     /// # Errors
     /// [`BackgroundError`] says what does not fit.
     pub fn at_vertices(ready: &Prepared, sizes: &[f64]) -> Result<Self, BackgroundError> {
-        let (vertices, points) = (&ready.domain.vertices, ready.vertex_map.len());
+        let mut vertices = ready.domain.vertices.clone();
+        vertices.extend(&ready.domain.points);
+        let points = ready.vertex_map.len();
         if sizes.len() != points {
             return Err(BackgroundError::Count { sizes: sizes.len(), points });
         }
         if let Some(number) = sizes.iter().position(|s| !(s.is_finite() && *s > 0.0)) {
             return Err(BackgroundError::Size { number, size: sizes[number] });
         }
+        // Nothing is said of points beside the vertices.
         let mut own = vec![f64::INFINITY; vertices.len()];
         for (&v, &size) in ready.vertex_map.iter().zip(sizes) {
             if let Some(own) = own.get_mut(v as usize) {
                 *own = own.min(size);
             }
         }
-        Self::of_points(vertices, &own)
+        let known = |(k, p): (usize, &Point)| own[k].is_finite().then_some(*p);
+        let vertices: Vec<Point> = vertices.iter().enumerate().filter_map(known).collect();
+        own.retain(|size| size.is_finite());
+        Self::of_points(&vertices, &own)
     }
 
     /// The edge length at a place; outside the mesh that of the nearest of its points.
@@ -188,6 +198,11 @@ impl Background {
 
 /// A place counts as inside a tetrahedron if rounding may have put it out.
 const ROUNDING: f64 = 1e-9;
+
+/// Is a place in a tetrahedron, or out of it by rounding alone?
+pub(super) fn is_inside(corners: [&Point; 4], p: &Point) -> bool {
+    barycentric(corners, p).is_some_and(|all| all.iter().all(|weight| *weight >= -ROUNDING))
+}
 
 /// The weights of the corners whose mean `p` is, rounded; `None` for a flat tetrahedron.
 fn barycentric([a, b, c, d]: [&Point; 4], p: &Point) -> Option<[f64; 4]> {

@@ -200,6 +200,12 @@ impl Patch {
         points.next()
     }
 
+    /// Is a point exactly on one of the polygons?
+    pub(crate) fn holds(&self, p: &Point) -> bool {
+        let at = flat(self.axis, p);
+        self.near(at).any(|(ring, plane)| plane.holds(p) && holds(ring, at))
+    }
+
     /// Twice the area of the polygons in the projection.
     pub(crate) fn area(&self) -> i128 {
         let area = |ring: &Vec<Flat>| -> i128 {

@@ -12,7 +12,6 @@ use crate::heed::Heed;
 use crate::table::{Map, Set, edge};
 use ltbw_core::build::Builder;
 use ltbw_core::mesh::{Duplicate, Mesh};
-use ltbw_core::topology::{INFINITE, VertexId};
 use ltbw_domain::{Domain, Element, Lattice};
 use ltbw_exact::{Point, PointSet};
 
@@ -61,6 +60,8 @@ impl Facet {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plc {
     pub(crate) corners: Vec<Grid>,
+    /// Points that are to be vertices, too, in fine steps, and where they live.
+    pub(crate) points: Vec<(Point, Carrier)>,
     pub(crate) segments: Vec<Segment>,
     pub(crate) facets: Vec<Facet>,
     /// Per corner: the facets on which it lies, ascending.
@@ -90,34 +91,43 @@ impl Plc {
         self.facets.iter().any(|facet| facet.patch.is_some())
     }
 
-    /// The Delaunay mesh of the corners and of the cuts, and the kernel vertex of each, in this
-    /// order. Where a corner is at a cut, inside a segment, nothing is cut.
+    /// The number of vertices that the domain says.
+    pub(crate) fn count(&self) -> usize {
+        self.corners.len() + self.points.len()
+    }
+
+    /// The Delaunay mesh of the corners, points and cuts, numbered in this order. Where another one
+    /// is at a cut nothing is cut.
     pub(crate) fn first_mesh(
         &self,
         cuts: &mut Vec<Cut>,
         lattice: &Lattice,
         heed: Heed<'_>,
-    ) -> Result<(Mesh, Vec<VertexId>), RefineError> {
+    ) -> Result<Mesh, RefineError> {
         let cut = |cut: &Cut| self.segments[cut.segment as usize].line.point(cut.parameter);
-        let points: Vec<Point> =
-            self.corners.iter().map(corner_point).chain(cuts.iter().map(cut)).collect();
-        let count = points.len();
+        let own = self.corners.iter().map(corner_point).chain(self.points.iter().map(|p| p.0));
+        let points: Vec<Point> = own.chain(cuts.iter().map(cut)).collect();
         let builder = heed.0.map_or(Builder::new(), |token| Builder::new().cancel(token));
         let mut mesh = builder.build(&PointSet::new(points)?)?.mesh;
         heed.ask()?;
         if let Some(&Duplicate { number: second, kept: first }) = mesh.duplicates().first() {
-            if second.max(first) as usize >= self.corners.len() {
+            if second.max(first) as usize >= self.count() {
                 cuts.clear();
                 return self.first_mesh(cuts, lattice, heed);
             }
             return Err(RefineError::DuplicateVertex { first, second });
         }
         mesh.scaled_by(ltbw_domain::lattice::PARAMETER_BITS - lattice.exponent());
-        let mut kernel = vec![INFINITE; count];
-        for (v, &number) in (0..).map(VertexId::new).zip(mesh.numbers()).skip(1) {
-            kernel[number as usize] = v;
-        }
-        Ok((mesh, kernel))
+        Ok(mesh)
+    }
+
+    /// Where the vertex of the first mesh lives that has this number.
+    pub(crate) fn carrier_of(&self, number: u32, cuts: &[Cut]) -> Carrier {
+        let point = (number as usize).checked_sub(self.corners.len());
+        let cut = (number as usize).checked_sub(self.count());
+        let cut = cut.and_then(|k| cuts.get(k)).map(|cut| cut.carrier());
+        let point = point.and_then(|k| self.points.get(k)).map(|own| own.1);
+        cut.or(point).unwrap_or(Carrier::Corner(number))
     }
 
     /// Does a vertex with this carrier lie on facet `f`?
@@ -174,6 +184,7 @@ impl Plc {
         }
         plc.join_edges(&domain.segments);
         plc.join_corners(&groups);
+        plc.join_points(domain, lattice)?;
         Ok(plc)
     }
 

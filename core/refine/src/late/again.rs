@@ -76,7 +76,7 @@ impl Refinement<'_> {
             }
         }
         let state = &self.state;
-        if state.mesh.num_tets() > DENSE * state.plc.corners.len() {
+        if state.mesh.num_tets() > DENSE * state.plc.count() {
             return Vec::new();
         }
         let Some(&part) = PARTS.get(asking.parts) else { return Vec::new() };

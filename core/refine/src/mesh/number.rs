@@ -1,13 +1,12 @@
 //! Numbers and orders that are functions of the mesh alone, in whatever order its points were
 //! inserted: arrays and files of one mesh are equal byte for byte.
 //!
-//! Vertices of the domain keep their indices; the others follow along a Hilbert curve. Vertices of
-//! a tetrahedron: the smallest, the next, then as the orientation says. Tetrahedra are in the
-//! lexicographic order of these.
+//! Vertices of the domain keep their indices, its points follow in their order, the others along a
+//! Hilbert curve. Vertices of a tetrahedron: the smallest, the next, then as the orientation says.
+//! Tetrahedra are in the lexicographic order of these.
 
 use super::key::{OrderKey, order_key};
 use super::state::State;
-use crate::complex::carrier::Carrier;
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::mesh::Vertex;
 use ltbw_core::order::hilbert;
@@ -35,9 +34,11 @@ pub(crate) fn in_order(v: [Vertex; 4]) -> [Vertex; 4] {
 }
 
 impl State {
-    /// Numbers the vertices that are no corners of the domain, from `first` on.
-    pub(crate) fn number_vertices(&mut self, first: Vertex) {
-        let is_new = |v: &VertexId| !matches!(self.carriers[v.index()], Carrier::Corner(_));
+    /// Numbers the vertices anew that the domain does not say.
+    pub(crate) fn number_vertices(&mut self) {
+        let first = self.plc.count() as Vertex;
+        let numbers = self.mesh.numbers();
+        let is_new = |v: &VertexId| numbers[v.index()] >= first;
         let mut new: Vec<(OrderKey, VertexId)> = (1..=self.mesh.num_vertices())
             .into_par_iter()
             .map(VertexId::at)

@@ -50,8 +50,8 @@ pub struct Refined {
 }
 
 impl Refined {
-    /// The Delaunay mesh, exterior included: input vertices keep their indices, new ones follow
-    /// along a Hilbert curve.
+    /// The Delaunay mesh, exterior included: input vertices keep their indices, the domain's points
+    /// follow in their order, then new ones along a Hilbert curve.
     pub fn mesh(&self) -> &Mesh {
         &self.state.mesh
     }

@@ -128,7 +128,8 @@ impl Start {
             carriers: state.carriers[1..].to_vec(),
             tets: mesh.tet_ids().map(tet).collect(),
             regions,
-            most,
+            // Points that the domain says count as made.
+            most: most.saturating_add(state.plc.points.len() as u64),
             expected: state.expected,
         }
     }

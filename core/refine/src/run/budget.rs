@@ -49,7 +49,7 @@ impl Refiner<'_> {
         let least = regions.chain(self.max_volume).chain(fields).fold(f64::INFINITY, f64::min);
         // A conversion of floats saturates.
         let by_volume = (STEINER_PER_VOLUME * volume / least) as u64;
-        let by_corners = STEINER_PER_CORNER * domain.vertices.len() as u64;
+        let by_corners = STEINER_PER_CORNER * (domain.vertices.len() + domain.points.len()) as u64;
         by_volume.saturating_add(by_corners).saturating_add(STEINER_BASE)
     }
 }

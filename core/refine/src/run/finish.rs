@@ -7,7 +7,6 @@ use crate::mesh::region::RegionInfo;
 use crate::outcome::{Reason, RefineOutcome, RefineStats};
 use crate::output::refined::Refined;
 use crate::queue::split::Refinement;
-use ltbw_core::mesh::Vertex;
 use ltbw_domain::Lattice;
 
 impl Run<'_> {
@@ -30,7 +29,7 @@ impl Run<'_> {
             ..self.stats
         };
         state.mesh.set_next_number(inserted.next_number);
-        state.number_vertices(state.plc.corners.len() as Vertex);
+        state.number_vertices();
         let order = state.tets_in_order(inserted.next_number);
         let (mut excuses, mut slivers) = (Vec::new(), Vec::new());
         if bounds.is_some() {

@@ -13,6 +13,7 @@ use crate::complex::carrier::{Carrier, Cut, corner_point};
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
 use crate::rules::aim::{Aim, Aims};
+use crate::table::Map;
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
 use rstar::RTree;
@@ -36,6 +37,15 @@ impl Part {
         Self { segment, ends: plc.segments[segment as usize].ends.map(end) }
     }
 
+    /// The parts between points on it that are to be vertices, in their order along it.
+    fn between(&self, inner: &[(Carrier, Point)]) -> Vec<Self> {
+        let [first, last] = self.ends;
+        let all: Vec<_> = [first].into_iter().chain(inner.iter().copied()).chain([last]).collect();
+        let part =
+            |pair: &[(Carrier, Point)]| Self { segment: self.segment, ends: [pair[0], pair[1]] };
+        all.windows(2).map(part).collect()
+    }
+
     /// Does its ball hold more than this number of corners, its own ends left out? Rounding may
     /// count one on the sphere: it is a number of about that size.
     fn has_more(&self, tree: &RTree<Point>, count: usize) -> bool {
@@ -46,7 +56,27 @@ impl Part {
     }
 }
 
+/// The parameter of a place on a segment.
+fn parameter(carrier: Carrier) -> i64 {
+    match carrier {
+        Carrier::Segment(_, parameter) => parameter,
+        _ => 0,
+    }
+}
+
 impl Plc {
+    /// The points on segments that are to be vertices, in their order along each.
+    fn inner_points(&self) -> Map<u32, Vec<(Carrier, Point)>> {
+        let mut all: Map<u32, Vec<(Carrier, Point)>> = Map::default();
+        for &(at, carrier) in &self.points {
+            if let Carrier::Segment(s, _) = carrier {
+                all.entry(s).or_default().push((carrier, at));
+            }
+        }
+        all.values_mut().for_each(|own| own.sort_by_key(|own| parameter(own.0)));
+        all
+    }
+
     /// The cuts of crowded segments, ascending; none if there are patches, and at most `most`. A
     /// function of the domain alone.
     ///
@@ -66,11 +96,13 @@ impl Plc {
         let aims = Aims { plc: self, floor };
         // The longest parts come first: where the budget ends the rest is cut evenly.
         let mut parts = VecDeque::new();
+        let inner = self.inner_points();
         for segment in 0..self.segments.len() as u32 {
             heed.ask_at(segment as usize)?;
             let whole = Part::whole(self, segment);
             if whole.has_more(&tree, CROWD) {
-                parts.push_back(whole);
+                let between = whole.between(inner.get(&segment).map_or(&[], Vec::as_slice));
+                parts.extend(between.into_iter().filter(|part| part.has_more(&tree, FEW)));
             }
         }
         // Ends: parts have whole parameters at their ends, and each is cut between them.

@@ -1,23 +1,20 @@
 //! Recovery of the boundary, one item after the other: segments, facets, then patches.
 
 use crate::RefineError;
-use crate::complex::carrier::Cut;
 use crate::mesh::tiles::Found;
 use crate::patches::layer::Hole;
 use crate::queue::split::Step;
 use crate::run::Run;
 use crate::table::Set;
-use ltbw_core::topology::VertexId;
 
 /// The most rounds in which patches are recovered.
 const ROUNDS: u32 = 256;
 
 impl Run<'_> {
     /// Splits what is missing until every subsegment, then every subface is there.
-    /// `kernel` has the kernel vertices of the corners and of the cuts.
-    pub(crate) fn recover(&mut self, kernel: &[VertexId], cuts: &[Cut]) -> Result<(), RefineError> {
+    pub(crate) fn recover(&mut self) -> Result<(), RefineError> {
         let heed = self.heed();
-        self.refinement.state.enter_segments(kernel, cuts, &mut self.work, heed)?;
+        self.refinement.state.enter_segments(&mut self.work, heed)?;
         self.drain_boundary()?;
         self.refinement.state.enter_subfaces(&mut self.work, heed)?;
         self.drain_boundary()?;

@@ -7,7 +7,7 @@
 //! Those of its triangles that lie in the facet's polygons are its subfaces.
 
 use crate::RefineError;
-use crate::complex::carrier::Cut;
+use crate::complex::carrier::Carrier;
 use crate::complex::parts::Parts;
 use crate::heed::Heed;
 use crate::mesh::item::{Item, Queues};
@@ -15,7 +15,7 @@ use crate::mesh::marks::{ENDS, face_bit};
 use crate::mesh::state::{FACE, State};
 use crate::table::{Map, Set, edge, triangle};
 use ltbw_core::Builder;
-use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_domain::vector::dominant;
 use ltbw_exact::{Point, PointSet};
 
@@ -23,28 +23,34 @@ use ltbw_exact::{Point, PointSet};
 const APEX: f64 = (1u64 << 52) as f64;
 
 impl State {
-    /// Enters all segments; marks those that the mesh has, puts those that it lacks. `kernel` is
-    /// the kernel vertex of each corner, and then of each cut.
+    /// Enters all segments; marks those that the mesh has, puts those that it lacks.
     ///
     /// # Errors
     /// [`RefineError::Cancelled`].
     pub(crate) fn enter_segments(
         &mut self,
-        kernel: &[VertexId],
-        cuts: &[Cut],
         work: &mut Queues,
         heed: Heed<'_>,
     ) -> Result<(), RefineError> {
-        let mut of_cuts = kernel[self.plc.corners.len()..].iter();
-        let mut own = cuts.chunk_by(|one, other| one.segment == other.segment).peekable();
+        let mut kernel = vec![INFINITE; self.plc.corners.len()];
+        let mut inner: Vec<(u32, i64, VertexId)> = Vec::new();
+        for (v, &carrier) in (0..).map(VertexId::new).zip(&self.carriers).skip(1) {
+            match carrier {
+                Carrier::Corner(c) => kernel[c as usize] = v,
+                Carrier::Segment(s, parameter) => inner.push((s, parameter, v)),
+                Carrier::Facet(_) | Carrier::Free => {}
+            }
+        }
+        // In their order along each segment.
+        inner.sort_unstable();
+        let mut inner = inner.into_iter().peekable();
         for (s, segment) in (0..).zip(&self.plc.segments) {
             let [mut at, end] = segment.ends.map(|c| kernel[c as usize]);
-            // In their order along the segment, as they are in the list.
-            let inner = own.next_if(|cuts| cuts[0].segment == s).map_or(0, |cuts| cuts.len());
-            for next in of_cuts.by_ref().take(inner).copied().chain([end]) {
+            while let Some((.., next)) = inner.next_if(|own| own.0 == s) {
                 self.segments.insert(edge(at, next), s);
                 at = next;
             }
+            self.segments.insert(edge(at, end), s);
         }
         let mut found: Set<[VertexId; 2]> = Set::default();
         for (k, t) in self.mesh.tet_ids().collect::<Vec<TetId>>().into_iter().enumerate() {
