@@ -330,5 +330,5 @@ fn points_are_not_given_in_a_surface_that_is_simplified() {
     ball.vertices.push([0, 1, 2].map(|k| (corners[0][k] + corners[1][k]) / 2.0));
     let with = prepared(&ball, 1e-3, false);
     assert_eq!(with.domain, without.domain);
-    assert_eq!(with.vertex_map[spare], ltbw_domain::LEFT_OUT);
+    assert_eq!(with.vertex_map[spare], ltbw_domain::exterior::LEFT_OUT);
 }
