@@ -215,12 +215,9 @@ fn borders_of_markers_stay_where_they_are() {
 
 #[test]
 fn surfaces_nearer_than_the_tolerance_do_not_cross() {
-    // A shell thinner than the tolerance, and a body smaller than it, close below the surface.
+    // A shell thinner than the tolerance.
     let ball = surfaces::globe(16, 24, 0.0, 1);
     let inner = surfaces::map_points(&ball, |p| p.map(|c| 0.99 * c));
-    let mote = surfaces::map_points(&surfaces::globe(4, 6, 0.0, 1), |p| {
-        [0.488 * 0.6 + 0.001 * p[0], 0.488 * 0.8 + 0.001 * p[1], 0.001 * p[2]]
-    });
     let cells = |ready: &Prepared| {
         let mut volumes: Vec<f64> =
             ready.report.cells.iter().flatten().map(|c| c.volume.to_f64()).collect();
@@ -230,17 +227,49 @@ fn surfaces_nearer_than_the_tolerance_do_not_cross() {
     let (before, after, told) = both(&ball.clone().join(inner), 0.02, false);
     assert_eq!((cells(&before).len(), cells(&after).len()), (2, 2));
     assert!(told.removed > 50, "{told:?}");
-    let (before, after, told) = both(&ball.join(mote), 0.02, false);
-    assert_eq!((cells(&before).len(), cells(&after).len()), (2, 2));
-    assert!(told.removed > 50, "{told:?}");
-    // It is in the ball as before.
-    let (middle, corners) = ([0.488 * 0.6, 0.488 * 0.8, 0.0], triangles(&after.domain));
-    let is_mote = |t: &&Corners| t.iter().all(|p| dot(minus(*p, middle), minus(*p, middle)) < 1e-5);
-    let (mote, ball): (Vec<&Corners>, Vec<&Corners>) = corners.iter().partition(is_mote);
-    assert!(!mote.is_empty());
+}
+
+/// A cube of side 4 with a tent of four triangles on it, lower than the tolerance of 0.3.
+fn tent() -> Domain {
+    let mut domain = Domain::cuboid([0.0; 3], [4.0; 3]);
+    domain.facets.retain(|f| f.marker != 6);
+    domain.vertices.push(TOP);
+    let sides = [[4, 5], [5, 7], [7, 6], [6, 4]];
+    domain.facets.extend(sides.map(|[a, b]| Facet::polygon(&[a, b, 8], 6)));
+    let fans = domain.facets.iter().flat_map(|f| {
+        let p = &f.polygons[0];
+        (1..p.len() - 1).map(|k| Facet::polygon(&[p[0], p[k], p[k + 1]], f.marker))
+    });
+    domain.facets = fans.collect();
+    domain
+}
+
+const TOP: Point = [2.0, 2.0, 4.25];
+
+#[test]
+fn no_body_and_no_seed_is_passed() {
+    let (_, flat, _) = both(&tent(), 0.3, false);
+    assert_eq!(flat.domain.vertices.len(), 8);
+    // A seed in the tent, which touches no triangle before or after.
+    let seed = [2.0, 2.0, 4.125];
+    let region = ltbw_domain::Region { seed, attribute: 7.0, max_volume: None };
+    let (_, after, _) = both(&Domain { regions: vec![region], ..tent() }, 0.3, false);
+    assert_eq!(after.report.cells.as_ref().unwrap()[0].regions, [0]);
+    // A body in its place.
+    let far = 1.0 / 64.0;
+    let corners = [[0.0; 3], [far, 0.0, 0.0], [0.0, far, 0.0], [0.0, 0.0, far]];
+    let vertices = corners.map(|p| [0, 1, 2].map(|k| p[k] + seed[k])).to_vec();
+    let sides = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    let facets = sides.iter().map(|t| Facet::polygon(t, 9)).collect();
+    let mote = Domain { vertices, facets, ..Domain::default() };
+    let (_, after, _) = both(&tent().join(mote), 0.3, false);
+    let corners: Vec<Corners> = triangles(&after.domain);
+    let is_mote = |t: &&Corners| t.iter().all(|p| dot(minus(*p, seed), minus(*p, seed)) < 0.01);
+    let (mote, others): (Vec<&Corners>, Vec<&Corners>) = corners.iter().partition(is_mote);
+    assert_eq!(mote.len(), 4);
     for p in mote.into_iter().flatten() {
         let turns =
-            ball.iter().map(|t| solid_angle(*p, **t)).sum::<f64>() / (4.0 * std::f64::consts::PI);
+            others.iter().map(|t| solid_angle(*p, **t)).sum::<f64>() / (4.0 * std::f64::consts::PI);
         assert!((turns.abs() - 1.0).abs() < 1e-6, "{turns}");
     }
 }
