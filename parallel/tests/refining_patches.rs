@@ -40,8 +40,8 @@ fn surfaces_with_patches_have_the_engines_mesh_on_any_number_of_workers() {
     assert!(done >= 3, "{done} of the domains with patches were refined by workers to the end");
 }
 
-/// Points at patches have turns there, and much is refused: whoever refuses, and wherever, all know
-/// before the next round. (Seeds and sizes for which workers insert points, and mostly the last one.)
+/// Points at patches have turns there, and much is refused, which all know before the next round.
+/// Subfaces of stars come to bar many at once: then the engine goes on.
 #[test]
 fn patches_beside_sharp_edges_have_the_engines_mesh_on_any_number_of_workers() {
     let (mut done, mut excused) = (0, 0);
