@@ -21,7 +21,7 @@ use std::time::Instant;
 impl<'a> Refiner<'a> {
     /// The mesh with the boundary and the regions, and what there is to do in it. Where some of the
     /// boundary is missing there is nothing to do, and no region but the exterior.
-    pub(super) fn recovered(
+    pub(crate) fn recovered(
         &self,
         domain: &Domain,
         lattice: &Lattice,
