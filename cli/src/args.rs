@@ -95,6 +95,7 @@ angles of the domain, is excused with its reason; the exit code is 1 where that 
     /// Go on with a mesh: split what is over new bounds, and keep its vertices
     #[command(after_long_help = REFINE_EXAMPLES)]
     #[command(mut_arg("domain", |arg| arg.value_name("MESH").help(MESH)))]
+    #[command(mut_arg("repair", |arg| arg.hide(true)), mut_arg("holes", |arg| arg.hide(true)))]
     Refine(Refine),
     /// Check anybody's mesh: what is wrong, exactly and where
     #[command(after_long_help = "\
@@ -362,10 +363,10 @@ pub(crate) struct MeshArgs {
 pub(crate) struct Refine {
     #[command(flatten)]
     pub(crate) mesh: MeshArgs,
-    /// The domain that it is a mesh of: keeps segments, tolerances and seeds of regions
+    /// The domain that it is a mesh of: keeps its segments
     #[arg(long, value_name = "DOMAIN")]
     pub(crate) plc: Option<PathBuf>,
-    /// Tetrahedra to split, a number a line, from 0 in the order of the file: to half their volume
+    /// Tetrahedra to split, by number from 0: to half their volume
     #[arg(long, value_name = "FILE")]
     pub(crate) mark: Option<PathBuf>,
     /// Take the vertices and the boundary of a mesh that is not Delaunay

@@ -21,10 +21,9 @@ pub(crate) struct Preparation {
     #[arg(long)]
     #[arg(hide_short_help = true)]
     pub(crate) exact_input: bool,
-    /// Points that are to be vertices of the mesh, too: .npy .xyz .txt .csv .node ...
+    /// Points that are vertices, too: .npy .xyz .csv .node ...
     ///
-    /// Within three steps of the lattice of a vertex a point is that vertex, else of an edge or a
-    /// segment on that, else of a facet on that; those outside are left out.
+    /// Within three steps of the lattice of the boundary they are put on it; outside: left out.
     #[arg(long, value_name = "FILE")]
     #[arg(hide_short_help = true)]
     pub(crate) points: Option<PathBuf>,

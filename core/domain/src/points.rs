@@ -126,7 +126,7 @@ impl<'d> Pieces<'d> {
                         Nearby { square: distance2(p, &at), at, of: v }.keep(&mut ends);
                     }
                     let mut own = own.map(|v| self.at(v));
-                    own.sort_by(|a, b| order(a, b));
+                    own.sort_by(order);
                     let (part, square) = to_edge(p, own);
                     Nearby { square, at: own[0], of: (own[1], part) }.keep(&mut edge);
                 }

@@ -250,10 +250,8 @@ impl<'m> Skin<'m> {
                 if volume > best.0 {
                     best = (volume, t as usize);
                 }
-                for k in 0..4 {
-                    let other = self.neighbours[t as usize][k];
-                    let is_open =
-                        other != NONE && !walls.contains(&sorted(OPPOSITE[k].map(|i| v[i])));
+                for (own, &other) in OPPOSITE.iter().zip(&self.neighbours[t as usize]) {
+                    let is_open = other != NONE && !walls.contains(&sorted(own.map(|i| v[i])));
                     if is_open && !std::mem::replace(&mut seen[other as usize], true) {
                         stack.push(other);
                     }
