@@ -23,7 +23,7 @@
 //! | `simulate` | `simulate`: the parallel kernel on simulated processors |
 //! | `demo` | `demo` |
 //! | `points` | what is told of a mesh of points, wherever its parts are |
-//! | `apart` | `delaunay` by several processes, none of which has the mesh |
+//! | `apart`, `slices` | `delaunay` by several processes, none of which has the points or the mesh |
 //! | `others`, `ranks` | the other processes of a job; those of `ltbw-mpi` |
 //! | `vectors`, `kit` | `vectors`: a foreign program and the conformance kit |
 //! | `report` | the JSON report `ltbw.report/1` |
@@ -82,6 +82,8 @@ mod report;
 mod rounds;
 mod run;
 mod simulate;
+#[cfg(feature = "wire")]
+mod slices;
 mod streams;
 mod surface;
 mod sync;

@@ -112,7 +112,7 @@ pub(crate) fn mesh(args: &MeshArgs, others: Others<'_>) -> Result<Exit, Failure>
         excused_share: args.lenience.share(args.preparation.strict),
     };
     if let Some(others) = others {
-        others.agree(&job.task.binding.inputs)?;
+        others.agree(crate::binding::fingerprint(&job.task.binding.inputs))?;
     }
     mesh_domain(&ready, &job)
 }

@@ -127,19 +127,8 @@ impl PointSet {
     /// [`PointError::TooMany`] if there are more than [`MAX_POINTS`].
     pub fn new(mut points: Vec<Point>) -> Result<Self, PointError> {
         check_count(points.len())?;
-        let mut range: Option<Magnitudes> = None;
-        for (index, point) in points.iter_mut().enumerate() {
-            *point = normalised(index, *point)?;
-            for magnitude in point.map(f64::abs) {
-                if magnitude > 0.0 {
-                    let Magnitudes { least, largest } =
-                        range.unwrap_or(Magnitudes { least: magnitude, largest: magnitude });
-                    let (least, largest) = (least.min(magnitude), largest.max(magnitude));
-                    range = Some(Magnitudes { least, largest });
-                }
-            }
-        }
-        Ok(Self { coords: points, mode: mode_for(range) })
+        let mode = Magnitudes::of(&mut points)?.mode();
+        Ok(Self { coords: points, mode })
     }
 
     /// Validates points whose coordinates lie one after the other: x, y, z, x, y, z, ...
@@ -208,7 +197,11 @@ impl PointSet {
     }
 }
 
-fn check_count(count: usize) -> Result<(), PointError> {
+/// Makes sure that a set may have so many points.
+///
+/// # Errors
+/// [`PointError::TooMany`] if it may not.
+pub fn check_count(count: usize) -> Result<(), PointError> {
     if count > MAX_POINTS {
         return Err(PointError::TooMany { count, limit: MAX_POINTS });
     }
@@ -236,29 +229,60 @@ fn in_window(coordinate: f64) -> bool {
     magnitude == 0.0 || (LOW..HIGH).contains(&magnitude)
 }
 
-/// The least and the largest magnitude of coordinates that are not zero.
-#[derive(Clone, Copy)]
-struct Magnitudes {
+/// The least and the largest magnitude of coordinates that are not zero. Those of all points are
+/// the join of those of parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Magnitudes {
+    /// Infinite if there are none.
     least: f64,
+    /// 0 if there are none.
     largest: f64,
 }
 
-/// The mode for coordinates in a range; `None` if all are zero.
-fn mode_for(range: Option<Magnitudes>) -> Mode {
-    let Some(Magnitudes { least, largest }) = range else {
-        return Mode::Normal;
-    };
-    if in_window(least) && in_window(largest) {
-        return Mode::Normal;
+impl Magnitudes {
+    /// Those of no points.
+    pub const NONE: Self = Self { least: f64::INFINITY, largest: 0.0 };
+
+    /// Validates points, and replaces `-0.0` by `0.0`.
+    ///
+    /// # Errors
+    /// [`PointError::NotFinite`] names the first coordinate that is NaN or infinite.
+    pub fn of(points: &mut [Point]) -> Result<Self, PointError> {
+        let mut range = Self::NONE;
+        for (index, point) in points.iter_mut().enumerate() {
+            *point = normalised(index, *point)?;
+            for magnitude in point.map(f64::abs) {
+                if magnitude > 0.0 {
+                    range = range.join(Self { least: magnitude, largest: magnitude });
+                }
+            }
+        }
+        Ok(range)
     }
-    let (low, high) = (exponent_of(least), exponent_of(largest));
-    // Exponents inside the window run from -142 to 199: 342 of them.
-    let slack = (WINDOW_HIGH_EXPONENT - 1 - WINDOW_LOW_EXPONENT) - (high - low);
-    if slack < 0 {
-        return Mode::Wide;
+
+    /// Those of both.
+    #[must_use]
+    pub fn join(self, other: Self) -> Self {
+        Self { least: self.least.min(other.least), largest: self.largest.max(other.largest) }
     }
-    // In the middle of the window: later points have as much room below as above.
-    Mode::Rescaled { exponent: WINDOW_LOW_EXPONENT + slack / 2 - low }
+
+    /// The mode for coordinates in this range.
+    #[must_use]
+    pub fn mode(self) -> Mode {
+        let Self { least, largest } = self;
+        if least > largest || in_window(least) && in_window(largest) {
+            return Mode::Normal;
+        }
+        let (low, high) = (exponent_of(least), exponent_of(largest));
+        // Exponents inside the window run from -142 to 199: 342 of them.
+        let slack = (WINDOW_HIGH_EXPONENT - 1 - WINDOW_LOW_EXPONENT) - (high - low);
+        if slack < 0 {
+            return Mode::Wide;
+        }
+        // In the middle of the window: later points have as much room below as above.
+        Mode::Rescaled { exponent: WINDOW_LOW_EXPONENT + slack / 2 - low }
+    }
 }
 
 /// floor(log2(magnitude)) for a positive finite number, subnormal ones included.
@@ -319,6 +343,21 @@ mod tests {
         assert_eq!(ascending(&[-0.0; 3]), ascending(&[0.0; 3]));
     }
     use proptest::prelude::*;
+
+    #[test]
+    fn magnitudes_of_parts_joined_are_those_of_all() {
+        let all = vec![[0.0; 3], [1e-300, 2.0, -0.0], [1e300, 0.0, -3.0], [0.5, 0.25, 1e-310]];
+        let of = |points: &[Point]| Magnitudes::of(&mut points.to_vec()).unwrap();
+        for count in 0..all.len() {
+            for cut in 0..=count {
+                let joined = of(&all[..cut]).join(of(&all[cut..count]));
+                assert_eq!(joined, of(&all[..count]));
+                assert_eq!(joined.mode(), mode_of(&all[..count]));
+            }
+        }
+        assert_eq!((of(&[]), Magnitudes::NONE.mode()), (Magnitudes::NONE, Mode::Normal));
+        assert_eq!((of(&all).mode(), of(&all[..2]).mode() == Mode::Normal), (Mode::Wide, false));
+    }
 
     fn bits(points: &[Point]) -> Vec<[u64; 3]> {
         points.iter().map(|p| p.map(f64::to_bits)).collect()

@@ -408,14 +408,8 @@ fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[Corner; 4], BuildEr
     };
     let mut count = 1;
     for k in 1..order.len() {
-        let p = at(order, k);
-        let [a, b, c] = [0, 1, 2].map(|i| at(order, i.min(count - 1)));
-        let independent = match count {
-            1 => p != a,
-            2 => !collinear(&a, &b, &p),
-            _ => orient3d(&a, &b, &c, &p) != Sign::Zero,
-        };
-        if independent {
+        let found = [0, 1, 2].map(|i| at(order, i.min(count - 1)));
+        if is_independent(&found[..count.min(3)], &at(order, k)) {
             // The points passed over keep their order behind the first four.
             order[count..=k].rotate_right(1);
             count += 1;
@@ -427,12 +421,27 @@ fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[Corner; 4], BuildEr
             }
         }
     }
-    let distinct = distinct();
-    Err(match count {
+    Err(flat(count, distinct()))
+}
+
+/// Is a point affinely independent of up to three that are so themselves?
+pub fn is_independent(found: &[Point], p: &Point) -> bool {
+    match found {
+        [] => true,
+        [a] => p != a,
+        [a, b] => !collinear(a, b, p),
+        [a, b, c, ..] => orient3d(a, b, c, p) != Sign::Zero,
+    }
+}
+
+/// Why there is no first tetrahedron: so many points are affinely independent, fewer than four, of
+/// so many different ones.
+pub fn flat(independent: usize, distinct: usize) -> BuildError {
+    match independent {
         _ if distinct < 4 => BuildError::TooFewPoints { distinct },
         1 | 2 => BuildError::Collinear { distinct },
         _ => BuildError::Coplanar { distinct },
-    })
+    }
 }
 
 #[cfg(test)]
