@@ -1,6 +1,6 @@
-//! `delaunay` by several processes, none of which has the points or the mesh: each has a slice and a
-//! part, hashes, checks and writes with the others. The first one reports; for a file that holds a
-//! whole mesh, and for a page, it is told all tetrahedra, 16 bytes each, and all points.
+//! The command `delaunay` by several processes, none of which has all points or the mesh: each has
+//! a slice and a part, hashes, checks and writes with the others. The first one reports; for a file
+//! that holds a whole mesh, and for a page, it is told all points and all tetrahedra.
 
 use crate::check::{checked_own, own_options};
 use crate::console;

@@ -54,7 +54,7 @@ pub(crate) struct Read {
 }
 
 impl Read {
-    /// A file of so many bytes, which have this hash.
+    /// A file of this length and hash.
     pub(crate) fn new(role: Role, path: &Path, bytes: usize, sha256: String) -> Self {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         Self { role, name, bytes, sha256 }

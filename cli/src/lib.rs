@@ -23,7 +23,8 @@
 //! | `simulate` | `simulate`: the parallel kernel on simulated processors |
 //! | `demo` | `demo` |
 //! | `points` | what is told of a mesh of points, wherever its parts are |
-//! | `apart`, `slices` | `delaunay` by several processes, none of which has the points or the mesh |
+//! | `apart` | `delaunay` by several processes, none of which has the mesh |
+//! | `slices` | the points of such a run, of which no process has all |
 //! | `others`, `ranks` | the other processes of a job; those of `ltbw-mpi` |
 //! | `vectors`, `kit` | `vectors`: a foreign program and the conformance kit |
 //! | `report` | the JSON report `ltbw.report/1` |

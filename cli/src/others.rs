@@ -66,7 +66,7 @@ mod apart {
         /// The number of this one, from 0.
         fn me(&self) -> u32;
 
-        /// What each of them has to say, by process.
+        /// The words of all, by process.
         fn tell_all(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Failure>;
 
         /// The points that the first process has read, dealt to all.

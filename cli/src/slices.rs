@@ -1,8 +1,8 @@
 //! The points of an input in slices: each process reads its own, by the formats that can be cut; of
 //! others the first process reads the whole, and deals it.
 //!
-//! All have read one file: each tells the hashes of its bytes, and the first one, which goes through
-//! the whole file for the hash of the certificate and keeps no more than a block of it, compares.
+//! One file is read by all: each tells the hashes of its bytes, and the first process, which goes
+//! through the whole file for the hash of the certificate, a block at a time, compares.
 
 use crate::binding::{Read, Role, digits};
 use crate::others::{Apart, Ranks};
@@ -21,7 +21,7 @@ use std::path::Path;
 /// Bytes of the file that the first process holds at a time.
 const BLOCK: usize = 1 << 20;
 
-/// What a process has of the input.
+/// The part of an input that a process has.
 pub(crate) struct Sliced {
     pub(crate) points: Vec<Point>,
     pub(crate) tags: Option<Vec<i64>>,
@@ -83,7 +83,7 @@ fn compare(apart: &dyn Apart, path: &Path, slice: &Slice) -> Result<Option<Strin
     apart.together(found)
 }
 
-/// The hash of a file, if it has what all have seen.
+/// The hash of a file, if all have seen bytes of it.
 fn look(path: &Path, all: &[Vec<Seen>]) -> Result<String, Failure> {
     let failed = |source| Failure::Read(IoError::Read { path: path.to_owned(), source });
     let mut file = File::open(path).map_err(failed)?;
@@ -144,7 +144,7 @@ mod tests {
         odd[1][2] = seen(BLOCK - 3, BLOCK + 9, &other);
         let error = look(&path, &odd).expect_err("two files").to_string();
         assert_eq!(error, "rank 1 has read another input than rank 0");
-        // What another one has beyond the end is not here.
+        // Bytes of another one beyond the end are not here.
         other.extend([1, 2]);
         odd = sound;
         odd[2][0] = seen(BLOCK + 9, n + 2, &other);

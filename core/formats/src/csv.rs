@@ -55,7 +55,7 @@ fn separator(text: &[u8]) -> u8 {
     *[b';', b',', b'\t'].iter().find(|s| text.contains(s)).unwrap_or(&b',')
 }
 
-/// What the first line of a file tells of all others.
+/// The columns of a file, by its first line.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
     columns: Columns,

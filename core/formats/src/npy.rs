@@ -38,7 +38,7 @@ pub(super) fn header(bytes: &[u8]) -> Result<(Header, u64), ParseError> {
 }
 
 impl Header {
-    /// Makes sure that so many bytes behind it are its points.
+    /// Makes sure that `body` bytes behind it are its points.
     pub(super) fn announces(&self, body: u64) -> Result<(), ParseError> {
         let bytes = 3 * self.scalar.bytes;
         let wanted = u128::from(self.points) * bytes as u128;

@@ -34,7 +34,7 @@ pub struct Slices {
     kind: Kind,
 }
 
-/// What a file says of all its points.
+/// The words of a file on all its points.
 #[derive(Debug, Clone)]
 enum Kind {
     Npy {
@@ -216,7 +216,7 @@ fn has_head(format: Format, head: &[u8], wanted: u64) -> bool {
     }
 }
 
-/// What the first bytes of a file say of its points.
+/// The words of the first bytes of a file on its points.
 fn kind_of(format: Format, head: &[u8], length: u64) -> Result<Kind, ParseError> {
     Ok(match format {
         Format::Npy => {
@@ -256,7 +256,7 @@ fn lines_of<'a>(bytes: &'a [u8], ranges: &[Range<u64>]) -> Lines<'a> {
 }
 
 impl Slice {
-    /// What it has: what lies before a slice is the sum of those before.
+    /// Its size: a slice comes after the sum of those before it.
     pub fn size(&self) -> Size {
         self.size
     }

@@ -85,7 +85,7 @@ pub fn parse_node(bytes: &[u8]) -> Result<NodeFile, ParseError> {
     Ok(node)
 }
 
-/// What the header of points says of their lines.
+/// The header of points, and the number of the first one.
 #[derive(Debug, Clone)]
 pub(super) struct NodeHead {
     announced: u64,

@@ -400,12 +400,6 @@ pub fn independent(points: &[Point]) -> Result<[u32; 4], BuildError> {
 /// returns them positively oriented.
 fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[Corner; 4], BuildError> {
     let at = |order: &[u32], k: usize| points[order[k] as usize];
-    let distinct = || {
-        let mut sorted = points.to_vec();
-        sorted.sort_unstable_by(cmp_xyz);
-        sorted.dedup();
-        sorted.len()
-    };
     let mut count = 1;
     for k in 1..order.len() {
         let found = [0, 1, 2].map(|i| at(order, i.min(count - 1)));
@@ -421,7 +415,10 @@ fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[Corner; 4], BuildEr
             }
         }
     }
-    Err(flat(count, distinct()))
+    let mut sorted = points.to_vec();
+    sorted.sort_unstable_by(cmp_xyz);
+    sorted.dedup();
+    Err(flat(count, sorted.len()))
 }
 
 /// Is a point affinely independent of up to three that are so themselves?
@@ -434,8 +431,8 @@ pub fn is_independent(found: &[Point], p: &Point) -> bool {
     }
 }
 
-/// Why there is no first tetrahedron: so many points are affinely independent, fewer than four, of
-/// so many different ones.
+/// The reason why there is no first tetrahedron, by the number of affinely independent points,
+/// fewer than four, and that of different ones.
 pub fn flat(independent: usize, distinct: usize) -> BuildError {
     match independent {
         _ if distinct < 4 => BuildError::TooFewPoints { distinct },

@@ -1,4 +1,4 @@
-//! Questions to those who know: each member knows a stretch of numbers.
+//! Questions to other members, each of which knows a stretch of numbers.
 
 use super::Slice;
 use super::records::{Record, bytes_of, refused, values_of};

@@ -7,10 +7,10 @@
 //! | `order` | these points along a curve: each member gets a stretch of it |
 //! | `records` | values of one size, many at a time, as bytes |
 //! | `sort` | what all members have, sorted: each gets a stretch of it |
-//! | `ask` | questions to those who have the stretch with the answer; tags of points |
+//! | `ask` | questions to the member that has the answer; tags of points |
 //! | `hash` | the hash `ltbw.mesh/1`, byte for byte |
 //! | `stream` | the bytes of that hash on their way |
-//! | `gather` | tetrahedra and points at one place, for files that hold a whole mesh; points dealt |
+//! | `gather` | tetrahedra and points at one place, for files that hold all; points dealt |
 //! | `thickness` | whether the points are nearly in one plane |
 //!
 //! No member holds more than a few times its share: vertices and tetrahedra are sorted into

@@ -13,7 +13,7 @@ use crate::protocol::WorkerId;
 use crate::team::{Post, Team, TeamError};
 use ltbw_core::build::is_independent;
 use ltbw_core::order::{Curve, hilbert};
-use ltbw_core::submesh::Extent;
+use ltbw_core::submesh::{Extent, MeshParams};
 use ltbw_core::{Duplicate, Vertex};
 use ltbw_exact::Point;
 use ltbw_exact::points::{ascending, of_ascending};
@@ -57,7 +57,7 @@ pub fn order<P: Post>(team: &mut Team<P>, slice: &Slice) -> Result<Ordered, Team
     let kernel: Vec<Point> = slice.points().par_iter().map(|&p| mode.to_kernel(p)).collect();
     let all: Vec<Extent> = team.gather_all(&Extent::of(&kernel, mode))?;
     let extent = all.into_iter().fold(Extent::of(&[], mode), Extent::join);
-    let (low, high) = extent.bounds();
+    let (low, high) = MeshParams::within(extent, mode).bounds();
     let curve = Curve::of_box(low, high);
     let keyed = |(p, number): (&Point, u32)| {
         let [x, y, z] = ascending(p);

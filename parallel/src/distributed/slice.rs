@@ -27,7 +27,7 @@ pub enum SliceError {
     Team(#[from] TeamError),
 }
 
-/// What a member tells of its slice.
+/// The word of a member on its slice.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Told {
     count: u64,

@@ -13,21 +13,27 @@ use std::ops::Range;
 /// The creator in the names of the coarse mesh: no worker has this number.
 const COARSE: WorkerId = WorkerId::new(u32::MAX);
 
+/// A given point, in kernel coordinates, by its place along the curve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sampled {
+    pub(crate) place: Place,
+    pub(crate) at: Point,
+}
+
 /// Some given points, by their places along the curve.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sample {
     /// Ascending.
     places: Vec<Place>,
-    /// Kernel coordinates.
     points: Vec<Point>,
 }
 
 impl Sample {
     /// These points, each once.
-    pub(crate) fn of(mut chosen: Vec<(Place, Point)>) -> Self {
-        chosen.sort_unstable_by_key(|&(place, _)| place);
-        chosen.dedup_by_key(|&mut (place, _)| place);
-        let (places, points) = chosen.into_iter().unzip();
+    pub(crate) fn of(mut chosen: Vec<Sampled>) -> Self {
+        chosen.sort_unstable_by_key(|own| own.place);
+        chosen.dedup_by_key(|own| own.place);
+        let (places, points) = chosen.into_iter().map(|own| (own.place, own.at)).unzip();
         Self { places, points }
     }
 

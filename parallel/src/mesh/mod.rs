@@ -47,9 +47,9 @@ pub use point_queue::PointQueue;
 pub(crate) use probe::{Again, TETS_PER_VERTEX};
 pub(crate) use start::{Cut, Wanted};
 pub use start::{Layout, Ownership, Prepared, Ready, SharedInput};
-pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
 #[cfg(feature = "wire")]
-pub(crate) use {coarse::Sample, start::Stretch};
+pub(crate) use start::{Sample, Sampled, Stretch};
+pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
 
 use crate::protocol::invariant;
 use crate::protocol::{

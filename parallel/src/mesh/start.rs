@@ -2,7 +2,8 @@
 //! parts of a coarse mesh.
 
 use super::blocks::Weight;
-use super::coarse::{Coarse, Sample};
+use super::coarse::Coarse;
+pub(crate) use super::coarse::{Sample, Sampled};
 use super::{Blocks, Fixed, LocalMesh, Place, PointQueue};
 use crate::protocol::{BlockId, Directory, WorkerId};
 use ltbw_core::build::independent;
@@ -219,11 +220,11 @@ impl Layout {
     fn sample_of(&self, points: &[Point]) -> Result<Sample, BuildError> {
         let mut ranks = independent(points)?.to_vec();
         ranks.extend(self.evenly(points.len() as u32));
-        let chosen = ranks.into_iter().map(|rank| (1 + rank, points[rank as usize]));
-        Ok(Sample::of(chosen.collect()))
+        let point = |rank: u32| Sampled { place: 1 + rank, at: points[rank as usize] };
+        Ok(Sample::of(ranks.into_iter().map(point).collect()))
     }
 
-    /// Ranks among so many points along the curve: those of the sample, ascending.
+    /// Ranks among `points` points along the curve: those of the sample, ascending.
     pub(crate) fn evenly(&self, points: u32) -> impl Iterator<Item = u32> + use<> {
         let n = u64::from(points);
         let size = (self.sample as u64).max(4).min(n);
@@ -302,7 +303,7 @@ struct Room<'a> {
     most: usize,
 }
 
-/// What one worker has to know of a start: its stretch of the curve, and a little of the whole.
+/// A start as one worker has to know it: its stretch of the curve, and a little of the whole.
 #[cfg(feature = "wire")]
 #[derive(Clone, Debug)]
 pub(crate) struct Stretch<'a> {

@@ -305,8 +305,8 @@ impl<P: Post> Team<P> {
         self.tell(made)
     }
 
-    /// Each member gets what the others have for it: parts by receiver in, by sender out. A part that
-    /// is not there is empty.
+    /// Each member gets what the others have for it: parts by receiver in, by sender out. A part
+    /// that is not there is empty.
     ///
     /// # Errors
     /// [`TeamError`] if a member has failed.

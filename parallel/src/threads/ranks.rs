@@ -6,7 +6,7 @@ use super::{Node, Parallel, RunError, WorkerStats};
 use crate::WorkerError;
 use crate::balance::Workload;
 use crate::distributed::{Ordered, Part, Slice, ask, bytes_of, order, values_of};
-use crate::mesh::{Layout, LocalMesh, Ownership, Place, Sample, Stretch, given};
+use crate::mesh::{Layout, LocalMesh, Ownership, Place, Sample, Sampled, Stretch, given};
 use crate::metrics::SubmeshSize;
 use crate::payload::Payload;
 use crate::protocol::{Source, Worker, WorkerId};
@@ -150,7 +150,8 @@ impl Parallel<'_> {
             return Err(flat(placed.len(), vertices as usize).into());
         }
         placed.extend(ordered.of_all(team, layout.evenly(vertices))?);
-        let sample = Sample::of(placed.into_iter().map(|(k, p)| (k + 1, p)).collect());
+        let sampled = placed.into_iter().map(|(k, at)| Sampled { place: k + 1, at });
+        let sample = Sample::of(sampled.collect());
         let started = sample.len() as u64;
         // The submesh has them from here on.
         let points = std::mem::take(&mut ordered.points);
@@ -226,7 +227,7 @@ fn duplicates_of<P: Post>(
     Ok(duplicates)
 }
 
-/// Makes sure that `from` has sent numbers of points, at this place of so many bytes.
+/// Makes sure that `from` has sent numbers of points, at this place of its bytes.
 fn known<const N: usize>(
     from: WorkerId,
     numbers: [Vertex; N],
@@ -267,7 +268,7 @@ fn part_of<P: Post>(
         let teller = ordered.firsts.partition_point(|&first| first <= place.into());
         known(WorkerId::new(teller as u32 - 1), [number], [0, 0], slice)?;
     }
-    // What is asked for is there.
+    // Whatever is asked for is there.
     let number = |place: Place| told[asked.partition_point(|&other| other < place - 1)];
     let mut used: Vec<(Vertex, VertexId)> =
         used.into_par_iter().map(|(place, v)| (number(place), v)).collect();

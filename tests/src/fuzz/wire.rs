@@ -35,8 +35,8 @@ pub fn wire(bytes: &[u8]) {
     }
 }
 
-/// Hashes, gathers and checks a small mesh as a member of two, and puts its points in order, whatever
-/// the other one sends; ends with the first thing that makes no sense.
+/// Hashes, gathers and checks a small mesh as a member of two, and puts its points in order,
+/// whatever the other one sends; ends with the first thing that makes no sense.
 pub fn together<P: Post>(team: &mut Team<P>) {
     let points: Vec<Point> =
         (0..12).map(|k| [k * 7 % 5, k * 3 % 4, k % 3].map(f64::from)).collect();

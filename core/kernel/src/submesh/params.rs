@@ -1,4 +1,4 @@
-//! What submeshes have to know of the whole mesh before there is one.
+//! The parameters of a whole mesh, which submeshes have to know before there is one.
 
 use crate::topology::MAX_TETS;
 use ltbw_exact::Point;
@@ -48,11 +48,6 @@ impl Extent {
             step: self.step.min(other.step),
         }
     }
-
-    /// The corners of the box.
-    pub fn bounds(&self) -> (Point, Point) {
-        (self.low, self.high)
-    }
 }
 
 impl MeshParams {
@@ -98,6 +93,6 @@ mod tests {
             }
         }
         let all = Extent::of(&points, Mode::Normal);
-        assert_eq!((all.bounds(), all.step), (([-3.0, 0.5, -4.0], [2.5, 8.0, 12.0]), 0.5));
+        assert_eq!((all.low, all.high, all.step), ([-3.0, 0.5, -4.0], [2.5, 8.0, 12.0], 0.5));
     }
 }
