@@ -10,6 +10,7 @@ use super::scalar::{Kind, Scalar};
 use super::{Point, PointFile};
 use std::cmp::Ordering;
 use std::io::Write;
+use std::iter;
 use std::ops::Range;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -57,7 +58,7 @@ impl Header {
     pub(super) fn bytes_of(&self, range: &Range<u64>) -> Vec<Range<u64>> {
         let bytes = self.scalar.bytes as u64;
         match self.fortran {
-            false => vec![3 * bytes * range.start..3 * bytes * range.end],
+            false => iter::once(3 * bytes * range.start..3 * bytes * range.end).collect(),
             true => {
                 let column = |k| k * self.points + range.start..k * self.points + range.end;
                 let columns = [0, 1, 2].map(column).into_iter();
@@ -215,7 +216,7 @@ pub fn write(out: &mut dyn Write, points: &[Point], _tags: Option<&[i64]>) -> st
     let mut header =
         format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, 3), }}", points.len());
     let padded = (10 + header.len() + 1).next_multiple_of(64) - 10;
-    header.extend(std::iter::repeat_n(' ', padded - header.len() - 1));
+    header.extend(iter::repeat_n(' ', padded - header.len() - 1));
     header.push('\n');
     out.write_all(MAGIC)?;
     out.write_all(&[1, 0])?;

@@ -18,6 +18,7 @@ use super::text::Lines;
 use super::{Format, IoError, PartOf, PointFile, npy, parse_error, txt, xyz};
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Seek, SeekFrom};
+use std::iter;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -144,14 +145,15 @@ impl Slices {
     /// The ranges of a slice, and its bytes.
     fn read(&mut self, place: PartOf) -> Result<(Vec<Range<u64>>, Vec<u8>), Error> {
         let body = self.kind.body();
-        let ranges = match &self.kind {
+        let ranges: Vec<Range<u64>> = match &self.kind {
             Kind::Npy { header, .. } => {
                 let ranges = header.bytes_of(&cut(0..header.count(), place)).into_iter();
                 ranges.map(|range| body + range.start..body + range.end).collect()
             }
             _ => {
                 let Range { start, end } = cut(body..self.length, place);
-                vec![self.line_at(start)?..self.line_at(end)?]
+                let lines = self.line_at(start)?..self.line_at(end)?;
+                iter::once(lines).collect()
             }
         };
         let mut bytes = Vec::new();
