@@ -258,21 +258,21 @@ mod tests {
                 let own = points[start..ends[k]].to_vec();
                 scope.spawn(move || {
                     let mut team = Team::new(post);
-                    let slice = Slice::new(&mut team, own).unwrap();
+                    let slice = Slice::new(&mut team, own).expect("finite points");
                     assert_eq!(slice.first() as usize, start);
-                    order(&mut team, &slice).unwrap()
+                    order(&mut team, &slice).expect("an order")
                 })
             };
             let members = threads(ends.len() as u32).into_iter().enumerate();
             let all: Vec<_> = members.map(run).collect();
-            all.into_iter().map(|thread| thread.join().unwrap()).collect()
+            all.into_iter().map(|thread| thread.join().expect("no panic")).collect()
         })
     }
 
     fn check(name: &str, points: &[Point], ends: &[usize]) {
         let all = stretches(points, ends);
         // By place: the least number there.
-        let set = PointSet::new(points.to_vec()).unwrap();
+        let set = PointSet::new(points.to_vec()).expect("finite points");
         let mut kept: BTreeMap<[u64; 3], u32> = BTreeMap::new();
         let mut expected = Vec::new();
         for (p, number) in set.points().iter().zip(0..) {
