@@ -1,10 +1,10 @@
-//! `delaunay` by several processes, none of which has the mesh: each has a part, hashes, checks and
-//! writes with the others. The first one reports; for a file that holds a whole mesh, and for a
-//! page, it is told all tetrahedra, 16 bytes each.
+//! The command `delaunay` by several processes, none of which has all points or the mesh: each has
+//! a slice and a part, hashes, checks and writes with the others. The first one reports; for a file
+//! that holds a whole mesh, and for a page, it is told all points and all tetrahedra.
 
 use crate::check::{checked_own, own_options};
 use crate::console;
-use crate::others::Apart;
+use crate::others::{Apart, Ranks};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::Scene;
 use crate::points::{
@@ -12,38 +12,60 @@ use crate::points::{
 };
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report};
+use crate::slices::{Sliced, read};
+use crate::streams::Source;
 use crate::task::{Judged, Task, wrote_parts};
-use ltbw::distributed::{Gathered, Part};
+use ltbw::distributed::{self, Gathered, Part, Slice};
 use ltbw::io::{self, Arrays, PartOf, Piece};
 use ltbw::quality::Quality;
 use ltbw::threads::BuiltPart;
-use ltbw::{Builder, Outcome, PointSet, TetMesh};
+use ltbw::{Builder, Outcome, TetMesh};
 use ltbw_verify as verify;
 use std::time::Instant;
 
-/// The points, which every process has read.
-pub(crate) struct Points<'a> {
-    pub(crate) set: &'a PointSet,
-    pub(crate) tags: Option<Vec<i64>>,
+/// The own slice of the points.
+struct Points<'a> {
+    slice: &'a Slice,
+    tags: Option<Vec<i64>>,
     /// Seconds it took to read them.
-    pub(crate) read_seconds: f64,
+    read_seconds: f64,
+}
+
+/// `ltbw-mpi delaunay`.
+pub(crate) fn delaunay(
+    others: &dyn Ranks,
+    source: &Source,
+    mut task: Task<'_>,
+) -> Result<Exit, Failure> {
+    let apart = others.apart();
+    let stage = Stage::begin("read");
+    let Sliced { points, tags, notes, reads } = read(others, source)?;
+    drop(stage);
+    task.binding.inputs = reads;
+    let name = show(task.name);
+    notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
+    let slice = match apart.slice(points)? {
+        Ok(slice) => slice,
+        Err(distributed::SliceError::Points(error)) => {
+            return Err(Failure::Points { path: task.name.to_owned(), error });
+        }
+        Err(error) => return Err(Failure::Other(error.to_string())),
+    };
+    let read_seconds = task.start.elapsed().as_secs_f64();
+    mesh_points(apart, Points { slice: &slice, tags, read_seconds }, &task)
 }
 
 /// Meshes points with the others.
-pub(crate) fn mesh_points(
-    others: &dyn Apart,
-    points: Points<'_>,
-    task: &Task<'_>,
-) -> Result<Exit, Failure> {
-    let set = points.set;
+fn mesh_points(others: &dyn Apart, points: Points<'_>, task: &Task<'_>) -> Result<Exit, Failure> {
+    let slice = points.slice;
     let built = {
         let progress = Progress::begin("order", task.stop.begun());
         let builder = Builder::new().observer(&progress).cancel(task.stop.token());
-        unless_stopped(others.build(&builder, set), task)?
+        unless_stopped(others.build(&builder, slice), task)?
     };
     let Some(built) = built else {
         return match others.is_first() {
-            true => finish_unbegun(task, set.len(), points.read_seconds),
+            true => finish_unbegun(task, slice.total() as usize, points.read_seconds),
             false => Ok(Exit::Stopped),
         };
     };
@@ -62,12 +84,12 @@ pub(crate) fn mesh_points(
     report.mesh.vertices = hashed.vertices as usize;
     report.input.distinct = report.mesh.vertices;
     print_mesh(&show(task.name), &report);
-    print_thickness(set.points());
+    print_thickness(others.thickness(slice)?);
     let mut judged = Judged::unseen(None);
     if let (Outcome::Complete, Some(options)) = (outcome, own_options(task.check)) {
         let clock = Instant::now();
         let _stage = Stage::begin("check");
-        let own = own_part(&part, set, others);
+        let own = own_part(&part, slice);
         let found = others.check(&own, &options)?;
         report.seconds.check = clock.elapsed().as_secs_f64();
         let checked = checked_own(&found, &hashed.hash.to_string());
@@ -82,10 +104,16 @@ pub(crate) fn mesh_points(
     let clock = Instant::now();
     write_parts(others, &part, &points, task, &mut report)?;
     let is_wanted = !task.outputs.whole.is_empty() || task.page.is_some();
-    let whole = if is_wanted { others.gather(&part, set.len())? } else { None };
+    let tags = points.tags.as_deref();
+    let whole = match is_wanted {
+        true => {
+            others.gather(&part, slice.total() as usize)?.zip(others.gather_points(slice, tags)?)
+        }
+        false => None,
+    };
     drop(part);
     let written = match whole {
-        Some(whole) => write_whole(whole, points, &mut judged, task, &mut report),
+        Some((whole, points)) => write_whole(whole, points, &mut judged, task, &mut report),
         None => Ok(()),
     };
     report.seconds.write = clock.elapsed().as_secs_f64();
@@ -99,9 +127,9 @@ pub(crate) fn mesh_points(
 /// The report of a build, without what comes after it.
 fn report_of(built: &BuiltPart, points: &Points<'_>, task: &Task<'_>) -> Report {
     let input = Input {
-        points: points.set.len(),
+        points: points.slice.total() as usize,
         distinct: 0,
-        duplicates: built.duplicates.len(),
+        duplicates: built.num_duplicates as usize,
         duplicate_of: built.duplicates.iter().map(|&duplicate| duplicate.into()).collect(),
     };
     let mut report = task.report(input, "complete");
@@ -118,13 +146,10 @@ fn report_of(built: &BuiltPart, points: &Points<'_>, task: &Task<'_>) -> Report 
     report
 }
 
-/// The own part as the checker takes it, with this process's stretch of the points.
-fn own_part<'a>(part: &'a Part, set: &'a PointSet, others: &dyn Apart) -> verify::Part<'a> {
-    let [me, size] = [others.me(), others.size()].map(|n| n as usize);
-    let stretch = |k: usize| k * set.len() / size;
-    let given = &set.points()[stretch(me)..stretch(me + 1)];
+/// The own part as the checker takes it, with this process's slice of the points.
+fn own_part<'a>(part: &'a Part, slice: &'a Slice) -> verify::Part<'a> {
     let Part { numbers, points, tets, .. } = part;
-    verify::Part { points, numbers, tets, given }
+    verify::Part { points, numbers, tets, given: slice.points() }
 }
 
 /// Writes the own part of each mesh in parts: all or none of the files get their names.
@@ -140,11 +165,12 @@ fn write_parts(
         return Ok(());
     }
     let _stage = Stage::begin("write");
-    let tags = points.tags.as_ref();
+    let point_tags = others.tags(points.slice, points.tags.as_deref(), &part.numbers)?;
+    let has_tags = point_tags.is_some();
     let mesh = TetMesh {
         points: part.points.clone(),
         tets: part.tets.clone(),
-        point_tags: tags.map(|all| part.numbers.iter().map(|&v| all[v as usize]).collect()),
+        point_tags,
         ..TetMesh::default()
     };
     let piece = Piece { mesh, numbers: part.numbers.clone() };
@@ -152,7 +178,7 @@ fn write_parts(
     for path in in_parts {
         let own = console::writing(|token| {
             let own = io::write_part(path, place, &piece, token)?;
-            let arrays = Arrays { tags: tags.is_some(), ..Arrays::default() };
+            let arrays = Arrays { tags: has_tags, ..Arrays::default() };
             let is_first = others.is_first();
             let list = is_first.then(|| io::write_list(path, place.of, arrays)).transpose()?;
             Ok((own, list))
@@ -169,7 +195,7 @@ fn write_parts(
 /// Writes the files that hold the whole mesh, and the page.
 fn write_whole(
     whole: Gathered,
-    points: Points<'_>,
+    points: distributed::Points,
     judged: &mut Judged,
     task: &Task<'_>,
     report: &mut Report,
@@ -177,7 +203,7 @@ fn write_whole(
     let Gathered { tets, hull } = whole;
     let lengths: Vec<usize> = tets.iter().map(Vec::len).collect();
     let mesh = TetMesh {
-        points: points.set.points().to_vec(),
+        points: points.at,
         tets: tets.concat(),
         point_tags: points.tags,
         ..TetMesh::default()

@@ -16,7 +16,12 @@ const OPTIONS: &str = "ltbw.options/1\n";
 
 /// SHA-256, in lower-case hexadecimal digits.
 pub(crate) fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
+    digits(&Sha256::digest(bytes))
+}
+
+/// Lower-case hexadecimal digits.
+pub(crate) fn digits(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
         // Writing to a string does not fail.
         let _ = write!(text, "{byte:02x}");
         text
@@ -52,6 +57,20 @@ pub(crate) struct Read {
     pub(crate) sha256: String,
 }
 
+impl Read {
+    /// A file of this length and hash.
+    pub(crate) fn new(role: Role, path: &Path, bytes: usize, sha256: String) -> Self {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        Self { role, name, bytes, sha256 }
+    }
+}
+
+/// The hash of files that were read.
+pub(crate) fn fingerprint(inputs: &[Read]) -> String {
+    let texts: Vec<&str> = inputs.iter().map(|read| read.sha256.as_str()).collect();
+    sha256(texts.join("\n").as_bytes())
+}
+
 /// The files read so far.
 #[derive(Debug, Default)]
 pub(crate) struct Reads(RefCell<Vec<Read>>);
@@ -59,9 +78,7 @@ pub(crate) struct Reads(RefCell<Vec<Read>>);
 impl Reads {
     /// Notes bytes that were read.
     pub(crate) fn add(&self, role: Role, path: &Path, bytes: &[u8]) {
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let read = Read { role, name, bytes: bytes.len(), sha256: sha256(bytes) };
-        self.0.borrow_mut().push(read);
+        self.0.borrow_mut().push(Read::new(role, path, bytes.len(), sha256(bytes)));
     }
 
     /// Adds a file that was read elsewhere, in another part.

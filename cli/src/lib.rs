@@ -26,6 +26,7 @@
 //! | `demo` | `demo` |
 //! | `points` | what is told of a mesh of points, wherever its parts are |
 //! | `apart` | `delaunay` by several processes, none of which has the mesh |
+//! | `slices` | the points of such a run, of which no process has all |
 //! | `others`, `ranks` | the other processes of a job; those of `ltbw-mpi` |
 //! | `vectors`, `kit` | `vectors`: a foreign program and the conformance kit |
 //! | `report` | the JSON report `ltbw.report/1` |
@@ -87,6 +88,8 @@ mod report;
 mod rounds;
 mod run;
 mod simulate;
+#[cfg(feature = "wire")]
+mod slices;
 mod streams;
 mod surface;
 mod sync;

@@ -139,7 +139,7 @@ pub(crate) fn mesh_from(
         excused_share: args.lenience.share(args.preparation.strict),
     };
     if let Some(others) = others {
-        others.agree(&job.task.binding.inputs)?;
+        others.agree(crate::binding::fingerprint(&job.task.binding.inputs))?;
     }
     mesh_domain(&ready, &job)
 }

@@ -132,6 +132,12 @@ impl Failure {
         }
     }
 
+    /// Is it the same whoever reads the input?
+    #[cfg(feature = "wire")]
+    pub(crate) fn is_about_input(&self) -> bool {
+        matches!(self, Failure::Read(IoError::Parse { .. }) | Failure::Points { .. })
+    }
+
     /// The exit code of this failure.
     fn exit(&self) -> Exit {
         match self {

@@ -7,7 +7,7 @@ use crate::report::{Input, MeshPart, Report};
 use crate::task::Task;
 use ltbw::domain::Thickness;
 use ltbw::threads::RunError;
-use ltbw::{BuildError, Outcome, Point};
+use ltbw::{BuildError, Outcome};
 
 /// The result of a build; none if it was stopped before the first tetrahedron.
 pub(crate) fn unless_stopped<B>(
@@ -51,8 +51,8 @@ pub(crate) fn keep_check(checked: Checked, report: &mut Report, task: &Task<'_>)
 }
 
 /// Tells that points are nearly in one plane: their tetrahedra are as flat.
-pub(crate) fn print_thickness(points: &[Point]) {
-    if let Some(thickness) = Thickness::of_flat(points) {
+pub(crate) fn print_thickness(thickness: Option<Thickness>) {
+    if let Some(thickness) = thickness {
         console::people(&format!("note: {thickness}"));
     }
 }

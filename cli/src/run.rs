@@ -20,6 +20,7 @@ use crate::report::{Input, MeshPart, Predicates, Report};
 use crate::task::{Files, Judged, Task};
 use crate::without::{Given, Without};
 use ltbw::balance::Balance;
+use ltbw::domain::Thickness;
 use ltbw::io::PointFile;
 use ltbw::quality::Quality;
 use ltbw::{Builder, Built, Outcome, PointSet, TetMesh};
@@ -73,6 +74,22 @@ pub(crate) fn delaunay(args: &Delaunay, others: Others<'_>) -> Result<Exit, Fail
     }
     let source = outputs.formats.input(&args.points)?;
     let stop = Stop::on_signal()?;
+    let task = Task {
+        command: "delaunay",
+        name: &source.name,
+        outputs: &outputs,
+        json: args.json.as_deref(),
+        page: args.page.as_deref(),
+        check: args.check,
+        binding: Binding::default(),
+        stop: &stop,
+        start,
+        others,
+    };
+    #[cfg(feature = "wire")]
+    if let Some(others) = others {
+        return apart::delaunay(others, &source, task);
+    }
     let stage = Stage::begin("read");
     let file = source.points()?;
     let mut reads = source.reads().list();
@@ -86,18 +103,8 @@ pub(crate) fn delaunay(args: &Delaunay, others: Others<'_>) -> Result<Exit, Fail
     drop(stage);
     let parallel =
         ParallelJob { balance: args.balance, tables: args.tables, trace: args.trace.as_deref() };
-    let task = Task {
-        command: "delaunay",
-        name: &source.name,
-        outputs: &outputs,
-        json: args.json.as_deref(),
-        page: args.page.as_deref(),
-        check: args.check,
-        binding: Binding { inputs: reads, options: Chosen::default() },
-        stop: &stop,
-        start,
-        others,
-    };
+    let binding = Binding { inputs: reads, options: Chosen::default() };
+    let task = Task { binding, ..task };
     let read_seconds = start.elapsed().as_secs_f64();
     mesh_points(file, &Job { task, read_seconds, workers, parallel, without })
 }
@@ -111,12 +118,6 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
     let count = file.points.len();
     let set = PointSet::new(file.points)
         .map_err(|error| Failure::Points { path: task.name.to_owned(), error })?;
-    #[cfg(feature = "wire")]
-    if let Some(others) = task.others {
-        others.agree(&task.binding.inputs)?;
-        let points = apart::Points { set: &set, tags, read_seconds: job.read_seconds };
-        return apart::mesh_points(others.apart(), points, task);
-    }
     let Some(mut built) = build(&set, job)? else {
         return finish_unbegun(task, count, job.read_seconds);
     };
@@ -134,7 +135,7 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
         task.stop.inserted();
     }
     print_mesh(&name, &report);
-    print_thickness(set.points());
+    print_thickness(Thickness::of_flat(set.points()));
     if let Some(summary) = summary.filter(|_| job.parallel.tables) {
         let clock = Some((report.seconds.insert * 1e9) as u64);
         let run = Run { doing: Doing::Insertion, alone: None, whole: None, clock };

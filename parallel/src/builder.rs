@@ -196,28 +196,21 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Builds the mesh as one member of a team, all of whose members are given the same points and
-    /// the same limits: each gets its own part.
+    /// Builds the mesh of the points of all slices as one member of a team: each gets its own part.
     ///
     /// # Errors
-    /// As [`Parallel::build_on`]; a limit of tetrahedra is one for a single thread.
+    /// As [`Parallel::build_on`]; a team has no budget.
     #[cfg(feature = "wire")]
     #[doc(hidden)]
     pub fn build_on<P: crate::team::Post>(
         &self,
         team: &mut crate::team::Team<P>,
-        set: &PointSet,
+        slice: &crate::distributed::Slice,
     ) -> Result<crate::threads::BuiltPart, RunError> {
-        if self.budget.max_tets.is_some() {
-            return Err(RunError::Settings("a team has no limit of tetrahedra".to_owned()));
+        if self.budget != Budget::default() {
+            return Err(RunError::Settings("a team has no budget".to_owned()));
         }
-        let sequential = Sequential::new().order(self.order).budget(self.budget);
-        let only = sequential.allowed_points(set)?;
-        let mut built = self.kernel(team.size(), only.as_deref()).build_on(team, set)?;
-        if only.is_some() && built.outcome == Outcome::Complete {
-            built.outcome = Outcome::Budget;
-        }
-        Ok(built)
+        self.kernel(team.size(), None).build_on(team, slice)
     }
 
     /// Builds the mesh by several threads.

@@ -77,14 +77,14 @@ pub(crate) fn get<T: DeserializeOwned>(
 }
 
 /// A value as bytes.
-pub(crate) fn bytes_of(value: &impl Serialize, from: WorkerId) -> Result<Vec<u8>, WireError> {
+pub fn bytes_of(value: &impl Serialize, from: WorkerId) -> Result<Vec<u8>, WireError> {
     let mut letter = Vec::new();
     put(value, from, &mut letter)?;
     Ok(letter)
 }
 
 /// The value that a whole letter is.
-pub(crate) fn value_of<T: DeserializeOwned>(from: WorkerId, letter: &[u8]) -> Result<T, WireError> {
+pub fn value_of<T: DeserializeOwned>(from: WorkerId, letter: &[u8]) -> Result<T, WireError> {
     let mut at = 0;
     let value = get(from, letter, &mut at)?;
     match at == letter.len() {

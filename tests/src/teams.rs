@@ -1,5 +1,7 @@
 //! Teams of threads whose letters are bytes: what processes do, in one process.
 
+use ltbw::Point;
+use ltbw::distributed::{Slice, SliceError};
 use ltbw::protocol::WorkerId;
 use ltbw::team::{Kind, Post, Team, Threads, threads};
 use std::time::Duration;
@@ -15,6 +17,25 @@ pub fn on_team<R: Send>(members: u32, member: impl Fn(&mut Team<Threads>) -> R +
         let all: Vec<_> = threads(members).into_iter().map(run).collect();
         all.into_iter().map(|thread| thread.join().expect("no member panics")).collect()
     })
+}
+
+/// A member's slice of points that a test has all of: of about the size of any other one.
+///
+/// # Errors
+/// As [`Slice::new`].
+pub fn try_slice<P: Post>(team: &mut Team<P>, points: &[Point]) -> Result<Slice, SliceError> {
+    let end = |k: usize| k * points.len() / team.size() as usize;
+    let me = team.me().index();
+    let own = points[end(me)..end(me + 1)].to_vec();
+    Slice::new(team, own)
+}
+
+/// As [`try_slice`], of sound points.
+///
+/// # Panics
+/// If they are not.
+pub fn slice_of<P: Post>(team: &mut Team<P>, points: &[Point]) -> Slice {
+    try_slice(team, points).expect("finite points")
 }
 
 /// A post that keeps a copy of each letter of a kind that it sends.

@@ -25,6 +25,7 @@ mod regressions;
 mod removed;
 mod rug;
 mod rules;
+mod sliced;
 mod small_meshes;
 mod small_predicates;
 mod stacks;

@@ -16,7 +16,7 @@ use ltbw_generate::layers::stack;
 use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain, surfaces};
 use ltbw_tests::domains::NAMED;
 use ltbw_tests::fuzz::wire::{DOMAIN, PARTS, POINTS, together, wire};
-use ltbw_tests::teams::{on_team, recorded};
+use ltbw_tests::teams::{on_team, recorded, slice_of};
 use ltbw_verify as verify;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
@@ -32,7 +32,8 @@ fn mails_may_be_late() {
     let hash = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
     let member = |post| {
         let mut team = Team::new(post).latency(Duration::from_micros(300));
-        let built = Builder::new().build_on(&mut team, &set).expect("a mesh");
+        let slice = slice_of(&mut team, set.points());
+        let built = Builder::new().build_on(&mut team, &slice).expect("a mesh");
         distributed::hash(&mut team, &built.part).expect("a hash").hash
     };
     let hashes: Vec<_> = std::thread::scope(|scope| {
@@ -41,16 +42,6 @@ fn mails_may_be_late() {
         all.into_iter().map(|thread| thread.join().expect("no panic")).collect()
     });
     assert_eq!(hashes, [hash; 3]);
-}
-
-#[test]
-fn points_without_a_mesh_are_refused_at_all_members() {
-    let flat = (0..40).map(|k| [f64::from(k % 7), f64::from(k % 5), 0.0]).collect();
-    let set = PointSet::new(flat).expect("finite points");
-    for end in on_team(3, |team| Builder::new().build_on(team, &set)) {
-        let error = end.err();
-        assert!(matches!(error, Some(RunError::Build(BuildError::Coplanar { .. }))), "{error:?}");
-    }
 }
 
 /// Its own token is all that a member sees of a signal.
@@ -68,7 +59,8 @@ fn a_member_that_is_stopped_stops_all() {
                 }
             };
             let builder = Builder::new().cancel(&token).observer(&stop);
-            let built = builder.build_on(team, &set).expect("a mesh");
+            let slice = slice_of(team, set.points());
+            let built = builder.build_on(team, &slice).expect("a mesh");
             let hashed = distributed::hash(team, &built.part).expect("a hash");
             (built, hashed)
         });
@@ -89,7 +81,8 @@ fn a_member_that_is_stopped_stops_all() {
         if !team.is_first() {
             token.cancel();
         }
-        Builder::new().cancel(&token).build_on(team, &set).err()
+        let slice = slice_of(team, set.points());
+        Builder::new().cancel(&token).build_on(team, &slice).err()
     });
     let expected = Some(RunError::Build(BuildError::Cancelled));
     assert_eq!(stopped, [expected.clone(), expected]);
@@ -216,7 +209,10 @@ fn a_refinement_that_is_stopped_at_one_member_is_stopped() {
 /// All letters of runs on three members: about points, and about a domain.
 fn letters() -> [Vec<Vec<u8>>; 2] {
     let set = uniform(3000);
-    let run = |team: &mut Team<_>| _ = Builder::new().build_on(team, &set).expect("a mesh");
+    let run = |team: &mut Team<_>| {
+        let slice = slice_of(team, set.points());
+        Builder::new().build_on(team, &slice).expect("a mesh");
+    };
     let of_points = recorded(3, Kind::Mail, run).concat();
     let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
     let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
@@ -428,7 +424,8 @@ fn a_letter_that_makes_no_sense_ends_all_members_by_the_name_of_its_sender() {
         let run = |post| {
             scope.spawn(move || {
                 let mut team = Team::new(Garbled(post));
-                let built = Builder::new().build_on(&mut team, set);
+                let slice = slice_of(&mut team, set.points());
+                let built = Builder::new().build_on(&mut team, &slice);
                 built.expect_err("no mesh").to_string()
             })
         };

@@ -17,14 +17,15 @@ const WATCHDOG: Duration = Duration::from_secs(120);
 /// Mail goes over TCP.
 const TCP: [&str; 6] = ["--mca", "btl", "self,tcp", "--mca", "btl_tcp_if_include", "lo"];
 
-/// Families of points: kind and number.
-const POINTS: [(&str, &str); 6] = [
-    ("uniform", "20000"),
-    ("clusters", "20000"),
-    ("grid", "8000"),
-    ("sphere", "5000"),
-    ("duplicates", "8000"),
-    ("uniform", "40"),
+/// Families of points: kind, number, and format: one that is not cut among them.
+const POINTS: [(&str, &str, &str); 7] = [
+    ("uniform", "20000", "npy"),
+    ("clusters", "20000", "csv"),
+    ("grid", "8000", "xyz"),
+    ("sphere", "5000", "npy"),
+    ("duplicates", "8000", "node"),
+    ("clusters", "3000", "ply"),
+    ("uniform", "40", "npy"),
 ];
 
 /// Domains: kind, what else makes it, bounds.
@@ -157,8 +158,8 @@ impl Bench {
             inputs.push(Input { name, arguments: command });
             Ok(())
         };
-        for (kind, count) in POINTS {
-            let file = format!("{kind}-{count}.npy");
+        for (kind, count, format) in POINTS {
+            let file = format!("{kind}-{count}.{format}");
             make(
                 words(&[kind, count, "-o", &file]),
                 format!("{kind} {count}"),

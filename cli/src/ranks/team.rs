@@ -1,20 +1,20 @@
 //! A process as one of a team: how it begins, agrees with the others, and ends.
 
 use crate::args::{Args, Command};
-use crate::binding::{Read, sha256};
-use crate::others::{Apart, Ranks};
+use crate::binding::sha256;
+use crate::others::{Apart, Ranks, of_rank};
 use crate::outcome::{Exit, Failure};
 use crate::{console, dispatch, machine, refusal};
 use clap::Parser;
-use ltbw::distributed::{self, Gathered, Hashed, Part};
-use ltbw::domain::Prepared;
+use ltbw::distributed::{self, Gathered, Hashed, Part, Points, Slice, SliceError};
+use ltbw::domain::{Prepared, Thickness};
 use ltbw::protocol::WorkerId;
 use ltbw::refine::Refiner;
 use ltbw::refining::{RefineError, ThreadedRounds, rounds_on_team};
 use ltbw::team::{LetterFigures, Post, Team, TeamError};
 use ltbw::threads::{BuiltPart, Parallel, RunError};
 use ltbw::wire::{VERSION, WireError};
-use ltbw::{Builder, CancelToken, PointSet};
+use ltbw::{Builder, CancelToken, Point};
 use ltbw_verify as verify;
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
@@ -35,7 +35,7 @@ enum Word {
     /// It has read an input with this fingerprint.
     Ready(String),
     /// It refuses, with this exit code and for this reason.
-    Refuses(u8, String),
+    Refuses { code: u8, why: String },
 }
 
 /// A process as it introduces itself.
@@ -63,7 +63,7 @@ impl<P: Post> Member<'_, P> {
         let all = self.team.borrow_mut().gather_all(own).map_err(|error| self.lost(&error))?;
         let refusal = (0..).zip(&all).find_map(|(rank, word): (u32, _)| match word {
             Word::Ready(_) => None,
-            Word::Refuses(code, why) => {
+            Word::Refuses { code, why } => {
                 Some(Failure::Agreed { code: *code, why: of_rank(rank, why) })
             }
         });
@@ -90,8 +90,8 @@ impl<P: Post> Ranks for Member<'_, P> {
         self.team.borrow().size()
     }
 
-    fn agree(&self, inputs: &[Read]) -> Result<(), Failure> {
-        self.speak(&Word::Ready(fingerprint(inputs)))
+    fn agree(&self, fingerprint: String) -> Result<(), Failure> {
+        self.speak(&Word::Ready(fingerprint))
     }
 
     fn apart(&self) -> &dyn Apart {
@@ -128,8 +128,29 @@ impl<P: Post> Apart for Member<'_, P> {
         self.team.borrow().me().number()
     }
 
-    fn build(&self, builder: &Builder<'_>, set: &PointSet) -> Result<BuiltPart, RunError> {
-        let built = builder.build_on(*self.team.borrow_mut(), set);
+    fn tell_all(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Failure> {
+        self.team.borrow_mut().gather_all(&own).map_err(|error| self.lost(&error))
+    }
+
+    fn deal(&self, whole: Option<Points>) -> Result<Points, Failure> {
+        let own = distributed::deal(*self.team.borrow_mut(), whole);
+        own.map_err(|error| self.lost(&error))
+    }
+
+    fn slice(&self, points: Vec<Point>) -> Result<Result<Slice, SliceError>, Failure> {
+        match Slice::new(*self.team.borrow_mut(), points) {
+            Err(SliceError::Team(error)) => Err(self.lost(&error)),
+            other => Ok(other),
+        }
+    }
+
+    fn thickness(&self, slice: &Slice) -> Result<Option<Thickness>, Failure> {
+        let found = distributed::thickness(*self.team.borrow_mut(), slice);
+        found.map_err(|error| self.lost(&error))
+    }
+
+    fn build(&self, builder: &Builder<'_>, slice: &Slice) -> Result<BuiltPart, RunError> {
+        let built = builder.build_on(*self.team.borrow_mut(), slice);
         // The points are the same everywhere.
         let is_lost = |error: &RunError| !matches!(error, RunError::Build(_));
         self.is_broken.set(built.as_ref().is_err_and(is_lost));
@@ -155,22 +176,23 @@ impl<P: Post> Apart for Member<'_, P> {
         gathered.map_err(|error| self.lost(&error))
     }
 
-    fn compare(&self, own: Option<&Failure>) -> Result<(), Failure> {
-        let own = own.map(|failure| (failure.code(), failure.to_string()));
-        let all = self.team.borrow_mut().gather_all(&own).map_err(|error| self.lost(&error))?;
-        let first = (0..).zip(all).find_map(|(rank, own): (u32, _)| Some((rank, own?)));
-        match first {
-            None => Ok(()),
-            Some((rank, (code, why))) => Err(Failure::Agreed { code, why: of_rank(rank, &why) }),
-        }
+    fn tags(
+        &self,
+        slice: &Slice,
+        own: Option<&[i64]>,
+        numbers: &[u32],
+    ) -> Result<Option<Vec<i64>>, Failure> {
+        let tags = distributed::tags(*self.team.borrow_mut(), slice, own, numbers);
+        tags.map_err(|error| self.lost(&error))
     }
-}
 
-/// The word of a process, for people: the first one needs no name.
-fn of_rank(rank: u32, why: &str) -> String {
-    match rank {
-        0 => why.to_owned(),
-        _ => format!("rank {rank}: {why}"),
+    fn gather_points(
+        &self,
+        slice: &Slice,
+        tags: Option<&[i64]>,
+    ) -> Result<Option<Points>, Failure> {
+        let points = distributed::gather_points(*self.team.borrow_mut(), slice, tags);
+        points.map_err(|error| self.lost(&error))
     }
 }
 
@@ -205,12 +227,6 @@ impl<P: Post> verify::Exchange for Judge<'_, P> {
         let (from, reason) = (WorkerId::new(from as u32), what.to_owned());
         WireError { from, at: 0, length: 0, reason }.into()
     }
-}
-
-/// The hash of what was read.
-fn fingerprint(inputs: &[Read]) -> String {
-    let texts: Vec<&str> = inputs.iter().map(|read| read.sha256.as_str()).collect();
-    sha256(texts.join("\n").as_bytes())
 }
 
 /// This process as it introduces itself.
@@ -270,8 +286,8 @@ pub fn run<P: Post>(team: &mut Team<P>) -> Ended {
     };
     let result = match result {
         Err(failure) if !member.has_agreed.get() => {
-            let why = failure.to_string();
-            member.speak(&Word::Refuses(failure.code(), why)).map(|()| Exit::Done)
+            let (code, why) = (failure.code(), failure.to_string());
+            member.speak(&Word::Refuses { code, why }).map(|()| Exit::Done)
         }
         other => other,
     };

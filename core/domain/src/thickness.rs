@@ -21,23 +21,37 @@ impl Thickness {
     /// Rounded, for people. O(n).
     #[must_use]
     pub fn of_flat(points: &[Point]) -> Option<Self> {
+        let first = *points.first()?;
         let farthest = |measure: &dyn Fn(&Point) -> f64| {
-            points.iter().max_by(|p, q| measure(p).total_cmp(&measure(q)))
+            let found = points.iter().max_by(|p, q| measure(p).total_cmp(&measure(q)));
+            Ok::<_, std::convert::Infallible>(found.copied().unwrap_or(first))
         };
-        let first = points.first()?;
-        let a = farthest(&|p| distance2(p, first))?;
-        let b = farthest(&|p| distance2(p, a))?;
-        let across = |p: &Point| cross(&minus(b, a), &minus(p, a));
+        let Ok(found) = Self::by(first, farthest);
+        found
+    }
+
+    /// As [`Thickness::of_flat`], of points wherever they are: `first` is one of them, and
+    /// `farthest` finds the one with the greatest measure.
+    ///
+    /// # Errors
+    /// Those of `farthest`.
+    pub fn by<E>(
+        first: Point,
+        mut farthest: impl FnMut(&dyn Fn(&Point) -> f64) -> Result<Point, E>,
+    ) -> Result<Option<Self>, E> {
+        let a = farthest(&|p| distance2(p, &first))?;
+        let b = farthest(&|p| distance2(p, &a))?;
+        let across = |p: &Point| cross(&minus(&b, &a), &minus(p, &a));
         let c = farthest(&|p| dot(&across(p), &across(p)))?;
-        let (normal, extent) = (across(c), distance2(a, b).sqrt());
+        let (normal, extent) = (across(&c), distance2(&a, &b).sqrt());
         let length = dot(&normal, &normal).sqrt();
         if length == 0.0 {
-            return None;
+            return Ok(None);
         }
-        let heights = || points.iter().map(|p| dot(&minus(p, a), &normal) / length);
-        let low = heights().fold(f64::INFINITY, f64::min);
-        let thickness = heights().fold(f64::NEG_INFINITY, f64::max) - low;
-        (thickness <= FLAT * extent).then_some(Self { thickness, extent })
+        let height = |p: &Point| dot(&minus(p, &a), &normal) / length;
+        let (highest, lowest) = (farthest(&height)?, farthest(&|p| -height(p))?);
+        let thickness = height(&highest) - height(&lowest);
+        Ok((thickness <= FLAT * extent).then_some(Self { thickness, extent }))
     }
 }
 

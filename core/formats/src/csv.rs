@@ -11,6 +11,7 @@ use super::{Point, PointFile};
 use std::io::Write;
 
 /// The columns of the wanted values in a line.
+#[derive(Debug, Clone)]
 struct Columns {
     separator: u8,
     xyz: [usize; 3],
@@ -54,35 +55,58 @@ fn separator(text: &[u8]) -> u8 {
     *[b';', b',', b'\t'].iter().find(|s| text.contains(s)).unwrap_or(&b',')
 }
 
+/// The columns of a file, by its first line.
+#[derive(Debug, Clone)]
+pub(super) struct Table {
+    columns: Columns,
+    /// There are columns that are not read.
+    has_more: bool,
+    /// The first byte behind the header, if there is one.
+    pub(super) rows: usize,
+}
+
+impl Table {
+    /// The table that begins with these bytes; none if they have no line.
+    pub(super) fn of(bytes: &[u8]) -> Option<Self> {
+        let mut lines = Lines::new(bytes);
+        let first = lines.next()?;
+        let separator = separator(first.text);
+        let width = fields(first.text, separator).count();
+        let is_header = width >= 3
+            && fields(first.text, separator)
+                .any(|f| matches!(float(f), Err(Reason::NotANumber(_))));
+        let columns = match is_header {
+            true => Columns::named(separator, first),
+            false => Columns::plain(separator),
+        };
+        let has_more = width > 3 + usize::from(columns.tag.is_some());
+        Some(Self { columns, has_more, rows: if is_header { lines.position() } else { 0 } })
+    }
+
+    /// The points of lines of `bytes`.
+    pub(super) fn points(&self, bytes: &[u8], lines: Lines<'_>) -> Result<PointFile, ParseError> {
+        let mut file = PointFile::default();
+        let mut tags = Vec::new();
+        for line in lines {
+            let at = |r| ParseError::at(bytes, line.offset, r);
+            let (p, tag) = row(line.text, &self.columns).map_err(at)?;
+            file.points.push(p);
+            tags.extend(tag);
+        }
+        file.point_tags = self.columns.tag.map(|_| tags);
+        if self.has_more {
+            file.notes.push("columns other than x, y, z and tag are not read".to_owned());
+        }
+        Ok(file)
+    }
+}
+
 /// Reads a `.csv` file.
 pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
-    let mut file = PointFile::default();
-    let mut tags = Vec::new();
-    let mut lines = Lines::new(bytes);
-    let Some(first) = lines.next() else {
-        return Ok(file);
-    };
-    let separator = separator(first.text);
-    let width = fields(first.text, separator).count();
-    let is_header = width >= 3
-        && fields(first.text, separator).any(|f| matches!(float(f), Err(Reason::NotANumber(_))));
-    let columns = if is_header {
-        Columns::named(separator, first)
-    } else {
-        lines = Lines::new(bytes);
-        Columns::plain(separator)
-    };
-    for line in lines {
-        let at = |r| ParseError::at(bytes, line.offset, r);
-        let (p, tag) = row(line.text, &columns).map_err(at)?;
-        file.points.push(p);
-        tags.extend(tag);
+    match Table::of(bytes) {
+        Some(table) => table.points(bytes, Lines::from(bytes, table.rows)),
+        None => Ok(PointFile::default()),
     }
-    file.point_tags = columns.tag.map(|_| tags);
-    if width > 3 + usize::from(columns.tag.is_some()) {
-        file.notes.push("columns other than x, y, z and tag are not read".to_owned());
-    }
-    Ok(file)
 }
 
 fn row(text: &[u8], columns: &Columns) -> Result<(Point, Option<i64>), Reason> {

@@ -54,6 +54,7 @@ pub mod ply;
 pub mod poly;
 pub mod pvtu;
 mod scalar;
+pub mod slices;
 pub mod stl;
 mod streams;
 mod surface;

@@ -8,13 +8,16 @@
 use super::error::{ParseError, Place, Reason, excerpt};
 use super::scalar::{Kind, Scalar};
 use super::{Point, PointFile};
+use std::cmp::Ordering;
 use std::io::Write;
+use std::iter;
+use std::ops::Range;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// The header of an array.
-#[derive(Debug, PartialEq)]
-struct Header {
+/// The header of an array of points.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Header {
     scalar: Scalar,
     fortran: bool,
     points: u64,
@@ -24,31 +27,68 @@ struct Header {
 pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
     let (header, body) =
         split(bytes).and_then(|(h, body)| Ok((parse_header(h)?, body))).map_err(header_error)?;
-    let wanted = u128::from(header.points) * 3 * header.scalar.bytes as u128;
-    if (body.len() as u128) < wanted {
-        let found = (body.len() / (3 * header.scalar.bytes)) as u64;
-        let reason = Reason::Truncated { what: "points", announced: header.points, found };
-        return Err(ParseError::new(Place::End, reason));
+    header.announces(body.len() as u64)?;
+    header.points(body, 0)
+}
+
+/// The header of an array of which these are the first bytes, and the number of its bytes.
+pub(super) fn header(bytes: &[u8]) -> Result<(Header, u64), ParseError> {
+    let (header, body) = split(bytes).map_err(header_error)?;
+    let header = parse_header(header).map_err(header_error)?;
+    Ok((header, (bytes.len() - body.len()) as u64))
+}
+
+impl Header {
+    /// Makes sure that `body` bytes behind it are its points.
+    pub(super) fn announces(&self, body: u64) -> Result<(), ParseError> {
+        let bytes = 3 * self.scalar.bytes;
+        let wanted = u128::from(self.points) * bytes as u128;
+        let reason = match u128::from(body).cmp(&wanted) {
+            Ordering::Equal => return Ok(()),
+            Ordering::Greater => Reason::Surplus("point"),
+            Ordering::Less => {
+                let found = body / bytes as u64;
+                Reason::Truncated { what: "points", announced: self.points, found }
+            }
+        };
+        Err(ParseError::new(Place::End, reason))
     }
-    if body.len() as u128 > wanted {
-        return Err(ParseError::new(Place::End, Reason::Surplus("point")));
-    }
-    // From here on `points * 3 * bytes` is the length of a slice, so nothing overflows.
-    let n = body.len() / (3 * header.scalar.bytes);
-    let mut points = Vec::with_capacity(n);
-    for i in 0..n {
-        let mut p = [0.0; 3];
-        for (k, c) in p.iter_mut().enumerate() {
-            let at = if header.fortran { k * n + i } else { 3 * i + k };
-            let raw = &body[at * header.scalar.bytes..(at + 1) * header.scalar.bytes];
-            *c = header
-                .scalar
-                .float(raw)
-                .map_err(|reason| ParseError::new(Place::Point(i as u64), reason))?;
+
+    /// The bytes, behind the header, of the points `range`: all announced ones are there.
+    pub(super) fn bytes_of(&self, range: &Range<u64>) -> Vec<Range<u64>> {
+        let bytes = self.scalar.bytes as u64;
+        match self.fortran {
+            false => iter::once(3 * bytes * range.start..3 * bytes * range.end).collect(),
+            true => {
+                let column = |k| k * self.points + range.start..k * self.points + range.end;
+                let columns = [0, 1, 2].map(column).into_iter();
+                columns.map(|column| bytes * column.start..bytes * column.end).collect()
+            }
         }
-        points.push(p);
     }
-    Ok(PointFile { points, ..PointFile::default() })
+
+    /// The number of points announced.
+    pub(super) fn count(&self) -> u64 {
+        self.points
+    }
+
+    /// The points of these bytes, the first of which is number `first` in the file.
+    pub(super) fn points(&self, body: &[u8], first: u64) -> Result<PointFile, ParseError> {
+        let bytes = self.scalar.bytes;
+        let n = body.len() / (3 * bytes);
+        let mut points = Vec::with_capacity(n);
+        for i in 0..n {
+            let mut p = [0.0; 3];
+            for (k, c) in p.iter_mut().enumerate() {
+                let at = if self.fortran { k * n + i } else { 3 * i + k };
+                let place = Place::Point(first + i as u64);
+                let value = self.scalar.float(&body[at * bytes..(at + 1) * bytes]);
+                *c = value.map_err(|reason| ParseError::new(place, reason))?;
+            }
+            points.push(p);
+        }
+        Ok(PointFile { points, ..PointFile::default() })
+    }
 }
 
 /// Do these bytes start an array that [`read`] would take for points?
@@ -176,7 +216,7 @@ pub fn write(out: &mut dyn Write, points: &[Point], _tags: Option<&[i64]>) -> st
     let mut header =
         format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, 3), }}", points.len());
     let padded = (10 + header.len() + 1).next_multiple_of(64) - 10;
-    header.extend(std::iter::repeat_n(' ', padded - header.len() - 1));
+    header.extend(iter::repeat_n(' ', padded - header.len() - 1));
     header.push('\n');
     out.write_all(MAGIC)?;
     out.write_all(&[1, 0])?;

@@ -13,7 +13,8 @@ use super::curved::Curved;
 use super::error::{ParseError, Reason};
 use super::faces::{Marked, owned};
 use super::text::{
-    Lines, capacity, count, float, integer, point, push_float, push_integer, push_point, write_rows,
+    Line, Lines, capacity, count, float, integer, point, push_float, push_integer, push_point,
+    write_rows,
 };
 use super::{MeshFile, Point, PointFile};
 use ltbw_core::{BoundaryFace, TetMesh};
@@ -80,14 +81,22 @@ fn number(token: &[u8], what: &'static str, first: &mut i64, row: u64) -> Result
 pub fn parse_node(bytes: &[u8]) -> Result<NodeFile, ParseError> {
     let mut lines = Lines::new(bytes);
     let node = node_section(bytes, &mut lines)?;
-    match lines.next() {
-        Some(line) => Err(ParseError::at(bytes, line.offset, Reason::Surplus("point"))),
-        None => Ok(node),
-    }
+    NodeHead::is_end(bytes, &mut lines)?;
+    Ok(node)
 }
 
-/// Parses the points of a `.node` file, or those that a `.poly` or `.smesh` file starts with.
-pub(super) fn node_section(bytes: &[u8], lines: &mut Lines<'_>) -> Result<NodeFile, ParseError> {
+/// The header of points, and the number of the first one.
+#[derive(Debug, Clone)]
+pub(super) struct NodeHead {
+    announced: u64,
+    attributes: u64,
+    has_markers: bool,
+    /// The number of the first point: that of the first line, if it is 0.
+    first: i64,
+}
+
+/// The header of points, and the number of the first one; lines behind it stay.
+pub(super) fn node_head(bytes: &[u8], lines: &mut Lines<'_>) -> Result<NodeHead, ParseError> {
     let [announced, dimension, attributes, markers] = header(bytes, lines)?;
     if dimension != 3 {
         return Err(bad_header(bytes, lines, format!("points in {dimension} dimensions")));
@@ -96,42 +105,87 @@ pub(super) fn node_section(bytes: &[u8], lines: &mut Lines<'_>) -> Result<NodeFi
         let text = format!("{attributes} attributes and {markers} markers for each point");
         return Err(bad_header(bytes, lines, text));
     }
-    let reserve = capacity(announced, lines.remaining(), 8);
-    let mut points = Vec::with_capacity(reserve);
-    let mut tags = Vec::with_capacity(if markers == 1 { reserve } else { 0 });
-    let mut first = 1;
-    let width = 4 + attributes as usize + markers as usize;
-    for row in 0..announced {
-        let Some(line) = lines.next() else {
-            let reason = Reason::Truncated { what: "points", announced, found: row };
-            return Err(ParseError::at(bytes, bytes.len(), reason));
-        };
-        let at = |r| ParseError::at(bytes, line.offset, r);
+    let row = Lines::from(bytes, (*lines).position()).next().filter(|_| announced > 0);
+    let number = row.and_then(|line| integer(line.fields().next()?).ok());
+    let first = if number == Some(0) { 0 } else { 1 };
+    Ok(NodeHead { announced, attributes, has_markers: markers == 1, first })
+}
+
+impl NodeHead {
+    /// The points of lines of `bytes`, the first of which is point number `row`, from 0, and as
+    /// many as are announced at most.
+    pub(super) fn points(
+        &self,
+        bytes: &[u8],
+        lines: &mut Lines<'_>,
+        row: u64,
+    ) -> Result<PointFile, ParseError> {
+        let mut file = PointFile::default();
+        let reserve = capacity(self.announced.saturating_sub(row), lines.remaining(), 8);
+        file.points.reserve(reserve);
+        let mut tags = Vec::with_capacity(if self.has_markers { reserve } else { 0 });
+        for row in row..self.announced {
+            let Some(line) = lines.next() else { break };
+            let (p, tag) =
+                self.row(line, row).map_err(|r| ParseError::at(bytes, line.offset, r))?;
+            file.points.push(p);
+            tags.extend(tag);
+        }
+        file.point_tags = self.has_markers.then_some(tags);
+        if self.attributes > 0 {
+            file.notes.push("attributes of points are not read".to_owned());
+        }
+        Ok(file)
+    }
+
+    /// Makes sure that `found` lines of points, up to the end of `bytes`, are all.
+    pub(super) fn is_whole(&self, bytes: &[u8], found: u64) -> Result<(), ParseError> {
+        if found >= self.announced {
+            return Ok(());
+        }
+        let reason = Reason::Truncated { what: "points", announced: self.announced, found };
+        Err(ParseError::at(bytes, bytes.len(), reason))
+    }
+
+    /// Makes sure that no line is left.
+    pub(super) fn is_end(bytes: &[u8], lines: &mut Lines<'_>) -> Result<(), ParseError> {
+        match lines.next() {
+            Some(line) => Err(ParseError::at(bytes, line.offset, Reason::Surplus("point"))),
+            None => Ok(()),
+        }
+    }
+
+    /// A line with the point of this number, from 0.
+    fn row(&self, line: Line<'_>, row: u64) -> Result<(Point, Option<i64>), Reason> {
+        let width = 4 + self.attributes as usize + usize::from(self.has_markers);
         let mut fields = line.fields();
-        let token = fields.next().unwrap_or_default();
-        number(token, "point", &mut first, row).map_err(at)?;
-        points.push(point(&mut fields, 1).map_err(at)?);
-        let mut found = 4;
+        let (token, mut first) = (fields.next().unwrap_or_default(), self.first);
+        number(token, "point", &mut first, row)?;
+        let p = point(&mut fields, 1)?;
+        let (mut tag, mut found) = (None, 4);
         for field in fields {
             found += 1;
             if found > width {
-                return Err(at(Reason::TooManyValues { expected: width }));
-            } else if found == width && markers == 1 {
-                tags.push(integer(field).map_err(at)?);
+                return Err(Reason::TooManyValues { expected: width });
+            } else if found == width && self.has_markers {
+                tag = Some(integer(field)?);
             } else {
-                float(field).map_err(at)?;
+                float(field)?;
             }
         }
-        if found < width {
-            return Err(at(Reason::TooFewValues { expected: width, found }));
+        match found < width {
+            true => Err(Reason::TooFewValues { expected: width, found }),
+            false => Ok((p, tag)),
         }
     }
-    let mut file =
-        PointFile { points, point_tags: (markers == 1).then_some(tags), notes: Vec::new() };
-    if attributes > 0 {
-        file.notes.push("attributes of points are not read".to_owned());
-    }
-    Ok(NodeFile { file, first: u8::from(first != 0) })
+}
+
+/// Parses the points of a `.node` file, or those that a `.poly` or `.smesh` file starts with.
+pub(super) fn node_section(bytes: &[u8], lines: &mut Lines<'_>) -> Result<NodeFile, ParseError> {
+    let head = node_head(bytes, lines)?;
+    let file = head.points(bytes, lines, 0)?;
+    head.is_whole(bytes, file.points.len() as u64)?;
+    Ok(NodeFile { file, first: head.first as u8 })
 }
 
 /// Parses an `.ele` file whose corners are the points of `node`.

@@ -36,6 +36,19 @@ impl<'a> Lines<'a> {
         Self { bytes, next: if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 } }
     }
 
+    /// The lines from byte `next` on, with which a line begins.
+    pub(super) fn from(bytes: &'a [u8], next: usize) -> Self {
+        match next {
+            0 => Self::new(bytes),
+            next => Self { bytes, next },
+        }
+    }
+
+    /// The lines of a text that has begun before these bytes.
+    pub(super) fn inside(bytes: &'a [u8]) -> Self {
+        Self { bytes, next: 0 }
+    }
+
     /// Bytes that are not read yet: bounds what a count in a header may reserve.
     pub(super) fn remaining(&self) -> usize {
         self.bytes.len() - self.next

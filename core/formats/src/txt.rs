@@ -5,17 +5,23 @@
 //! are not read; a note says so.
 
 use super::PointFile;
-use super::error::ParseError;
+use super::error::{ParseError, Reason};
+use super::text::{Line, Lines};
 pub use super::xyz::write;
-use super::xyz::{first_point, read_lines};
+use super::xyz::{FirstPoint, first_point, read_lines};
 
 /// Reads a `.txt` file.
 pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
-    read_lines(bytes, |line| match line.text.contains(&b',') {
+    read_lines(bytes, Lines::new(bytes), parse)
+}
+
+/// The point of a line.
+pub(super) fn parse(line: Line<'_>) -> Result<FirstPoint, Reason> {
+    match line.text.contains(&b',') {
         // An empty field is no number: columns must not move.
         true => first_point(&mut line.text.split(|&b| b == b',').map(<[u8]>::trim_ascii)),
         false => first_point(&mut line.fields()),
-    })
+    }
 }
 
 #[cfg(test)]

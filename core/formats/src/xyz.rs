@@ -10,7 +10,12 @@ use std::io::Write;
 
 /// Reads an `.xyz` file.
 pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
-    read_lines(bytes, |line| first_point(&mut line.fields()))
+    read_lines(bytes, Lines::new(bytes), parse)
+}
+
+/// The point of a line.
+pub(super) fn parse(line: Line<'_>) -> Result<FirstPoint, Reason> {
+    first_point(&mut line.fields())
 }
 
 /// The point at the start of a line.
@@ -27,14 +32,15 @@ pub(super) fn first_point<'a>(
     Ok(FirstPoint { p: point(fields, 0)?, has_more: fields.next().is_some() })
 }
 
-/// Reads a file with one point on a line, which `parse` takes as [`first_point`] does.
+/// Reads lines of `bytes` with one point each, which `parse` takes as [`first_point`] does.
 pub(super) fn read_lines(
     bytes: &[u8],
+    lines: Lines<'_>,
     parse: impl Fn(Line<'_>) -> Result<FirstPoint, Reason>,
 ) -> Result<PointFile, ParseError> {
     let mut file = PointFile::default();
     let mut more = false;
-    for line in Lines::new(bytes) {
+    for line in lines {
         let parsed = parse(line).map_err(|r| ParseError::at(bytes, line.offset, r));
         let FirstPoint { p, has_more } = parsed?;
         more |= has_more;

@@ -9,6 +9,7 @@ mod liberal;
 mod mesh_io;
 mod msh;
 mod ply;
+mod slices;
 mod strategies;
 mod texts;
 mod vtk;

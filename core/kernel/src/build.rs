@@ -400,22 +400,10 @@ pub fn independent(points: &[Point]) -> Result<[u32; 4], BuildError> {
 /// returns them positively oriented.
 fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[Corner; 4], BuildError> {
     let at = |order: &[u32], k: usize| points[order[k] as usize];
-    let distinct = || {
-        let mut sorted = points.to_vec();
-        sorted.sort_unstable_by(cmp_xyz);
-        sorted.dedup();
-        sorted.len()
-    };
     let mut count = 1;
     for k in 1..order.len() {
-        let p = at(order, k);
-        let [a, b, c] = [0, 1, 2].map(|i| at(order, i.min(count - 1)));
-        let independent = match count {
-            1 => p != a,
-            2 => !collinear(&a, &b, &p),
-            _ => orient3d(&a, &b, &c, &p) != Sign::Zero,
-        };
-        if independent {
+        let found = [0, 1, 2].map(|i| at(order, i.min(count - 1)));
+        if is_independent(&found[..count.min(3)], &at(order, k)) {
             // The points passed over keep their order behind the first four.
             order[count..=k].rotate_right(1);
             count += 1;
@@ -427,12 +415,30 @@ fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[Corner; 4], BuildEr
             }
         }
     }
-    let distinct = distinct();
-    Err(match count {
+    let mut sorted = points.to_vec();
+    sorted.sort_unstable_by(cmp_xyz);
+    sorted.dedup();
+    Err(flat(count, sorted.len()))
+}
+
+/// Is a point affinely independent of up to three that are so themselves?
+pub fn is_independent(found: &[Point], p: &Point) -> bool {
+    match found {
+        [] => true,
+        [a] => p != a,
+        [a, b] => !collinear(a, b, p),
+        [a, b, c, ..] => orient3d(a, b, c, p) != Sign::Zero,
+    }
+}
+
+/// The reason why there is no first tetrahedron, by the number of affinely independent points,
+/// fewer than four, and that of different ones.
+pub fn flat(independent: usize, distinct: usize) -> BuildError {
+    match independent {
         _ if distinct < 4 => BuildError::TooFewPoints { distinct },
         1 | 2 => BuildError::Collinear { distinct },
         _ => BuildError::Coplanar { distinct },
-    })
+    }
 }
 
 #[cfg(test)]

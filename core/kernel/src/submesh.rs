@@ -25,6 +25,7 @@ mod far;
 mod insert;
 mod lock;
 mod lock_table;
+mod params;
 mod star;
 mod walk;
 
@@ -32,16 +33,15 @@ pub use crate::mesh::Assembly;
 pub use assemble::{AssembleError, Beyond, Numbered, Numbers, assemble};
 pub use insert::Earlier;
 pub use lock::Closure;
+pub use params::{Extent, MeshParams};
 pub use star::StarTet;
 
 use crate::cavity::{Cavity, Conflict};
 use crate::geometry::Geometry;
-use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId};
+use crate::topology::{FaceId, INFINITE, TetId, Topology, VertexId};
 use far::FarTable;
 use lock_table::LockTable;
 use ltbw_exact::Point;
-use ltbw_exact::points::Mode;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Places of a submesh with a hint each: a power of two.
@@ -98,53 +98,6 @@ pub enum Owns<F> {
     None,
     /// Tetrahedra of own vertices alone, and otherwise those of whose vertices this is true.
     By(F),
-}
-
-/// The box and the arithmetic of the whole mesh, and the size of a part.
-#[derive(Clone, Copy, Debug)]
-pub struct MeshParams {
-    low: Point,
-    high: Point,
-    wide: bool,
-    step: f64,
-    vertices: usize,
-    max_tets: usize,
-}
-
-impl MeshParams {
-    /// The parameters of a mesh with these points, in kernel coordinates under `mode`.
-    pub fn of(points: &[Point], mode: Mode) -> Self {
-        let wide = mode == Mode::Wide;
-        let of_chunk = |chunk: &[Point]| {
-            let (low, high) = crate::order::bounding_box(chunk);
-            (low, high, if wide { 0.0 } else { crate::geometry::common_step(chunk) })
-        };
-        let join = |(low, high, step): (Point, Point, f64), other: (Point, Point, f64)| {
-            let low = [0, 1, 2].map(|k| low[k].min(other.0[k]));
-            let high = [0, 1, 2].map(|k| high[k].max(other.1[k]));
-            (low, high, step.min(other.2))
-        };
-        let none = || of_chunk(&[]);
-        let (low, high, step) = points.par_chunks(1 << 14).map(of_chunk).reduce(none, join);
-        Self { low, high, wide, step, vertices: points.len(), max_tets: MAX_TETS }
-    }
-
-    /// Sets how many vertices a submesh has at the start: those that it is to insert. At first it
-    /// is the number of all points.
-    pub fn vertices(self, vertices: usize) -> Self {
-        Self { vertices, ..self }
-    }
-
-    /// The corners of the box.
-    pub fn bounds(&self) -> (Point, Point) {
-        (self.low, self.high)
-    }
-
-    /// Sets how many tetrahedra, hull ghosts and far faces included, a submesh may have at most: no
-    /// more than [`MAX_TETS`], which is the default.
-    pub fn at_most(self, max_tets: usize) -> Self {
-        Self { max_tets, ..self }
-    }
 }
 
 /// The number of vertices of a range.

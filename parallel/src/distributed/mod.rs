@@ -3,23 +3,37 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | `slice` | the points that are given: each member has a slice of them |
+//! | `order` | these points along a curve: each member gets a stretch of it |
 //! | `records` | values of one size, many at a time, as bytes |
 //! | `sort` | what all members have, sorted: each gets a stretch of it |
+//! | `ask` | questions to the member that has the answer; tags of points |
 //! | `hash` | the hash `ltbw.mesh/1`, byte for byte |
 //! | `stream` | the bytes of that hash on their way |
-//! | `gather` | the tetrahedra alone at one place, for files that hold a whole mesh |
+//! | `gather` | tetrahedra and points at one place, for files that hold all; points dealt |
+//! | `thickness` | whether the points are nearly in one plane |
 //!
 //! No member holds more than a few times its share: vertices and tetrahedra are sorted into
 //! stretches of about equal length, and the bytes of the hash go through where they are.
 
+mod ask;
 mod gather;
 mod hash;
+mod order;
 mod records;
+mod slice;
 mod sort;
 mod stream;
+mod thickness;
 
-pub use gather::{Gathered, gather};
+pub(crate) use ask::ask;
+pub use ask::tags;
+pub use gather::{Gathered, Points, deal, gather, gather_points};
 pub use hash::{Hashed, hash};
+pub use order::{Ordered, Placed, order};
+pub(crate) use records::{bytes_of, values_of};
+pub use slice::{Slice, SliceError};
+pub use thickness::thickness;
 
 use ltbw_core::Vertex;
 use ltbw_exact::Point;

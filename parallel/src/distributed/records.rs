@@ -4,7 +4,7 @@ use crate::protocol::WorkerId;
 use crate::wire::WireError;
 
 /// A value of one size.
-pub(super) trait Record: Copy + 'static {
+pub(crate) trait Record: Copy + 'static {
     /// Its bytes.
     const BYTES: usize;
 
@@ -56,7 +56,7 @@ impl<R: Record, const N: usize> Record for [R; N] {
 }
 
 /// Values as bytes.
-pub(super) fn bytes_of<R: Record>(values: impl ExactSizeIterator<Item = R>) -> Vec<u8> {
+pub(crate) fn bytes_of<R: Record>(values: impl ExactSizeIterator<Item = R>) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(values.len() * R::BYTES);
     values.for_each(|value| value.put(&mut bytes));
     bytes
@@ -66,7 +66,7 @@ pub(super) fn bytes_of<R: Record>(values: impl ExactSizeIterator<Item = R>) -> V
 ///
 /// # Errors
 /// [`WireError`] if the bytes end within a value.
-pub(super) fn values_of<R: Record>(
+pub(crate) fn values_of<R: Record>(
     from: WorkerId,
     bytes: &[u8],
 ) -> Result<impl ExactSizeIterator<Item = R> + '_, WireError> {

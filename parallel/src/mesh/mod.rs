@@ -12,7 +12,8 @@
 //! | `piece` | the owner's side: what is in conflict, locked at once and described |
 //! | `fill` | the home's retriangulation of a cavity, as one patch per owner |
 //! | `apply` | patches, and tetrahedra that move |
-//! | `start` | the coarse mesh, distributed |
+//! | `start` | vertices along the curve, and workers ready to run |
+//! | `coarse` | the coarse mesh, distributed |
 //! | `gather`, `share` | the submeshes, put together; as values that travel |
 //! | `inspect` | what checkers of the protocol see |
 //! | `probe` | a submesh as one that keeps more of it sees it |
@@ -24,6 +25,7 @@
 mod apply;
 mod around;
 mod blocks;
+mod coarse;
 mod corners;
 mod fill;
 mod gather;
@@ -44,7 +46,9 @@ pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
 pub(crate) use probe::{Again, TETS_PER_VERTEX};
 pub(crate) use start::{Cut, Wanted};
-pub use start::{Layout, Ownership, Prepared, SharedInput};
+pub use start::{Layout, Ownership, Prepared, Ready, SharedInput};
+#[cfg(feature = "wire")]
+pub(crate) use start::{Sample, Sampled, Stretch};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
 
 use crate::protocol::invariant;

@@ -93,11 +93,6 @@ impl LocalMesh {
             Some([a?, b?, c?])
         })
     }
-
-    /// The given points that were vertices already: their places, and those of the vertices.
-    pub(crate) fn given_duplicates(&self) -> impl Iterator<Item = [Place; 2]> + '_ {
-        self.duplicates.iter().filter_map(|&(point, v)| Some([given(point)?, given(v)?]))
-    }
 }
 
 /// The submeshes that shares are of; `like` is one of the same mesh, whose points are computed with

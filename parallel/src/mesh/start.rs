@@ -1,21 +1,19 @@
-//! The start of a parallel run: vertices along the curve, a coarse mesh of a sample, its
-//! tetrahedra distributed to their owners.
+//! The start of a parallel run: vertices along the curve, cut into blocks, and workers with their
+//! parts of a coarse mesh.
 
 use super::blocks::Weight;
-use super::name::NO_PLACE;
-use super::{Blocks, Fixed, LocalMesh, Place, PointQueue, WireVertex};
-use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
+use super::coarse::Coarse;
+pub(crate) use super::coarse::{Sample, Sampled};
+use super::{Blocks, Fixed, LocalMesh, Place, PointQueue};
+use crate::protocol::{BlockId, Directory, WorkerId};
 use ltbw_core::build::independent;
 use ltbw_core::order::{Curve, hilbert};
 use ltbw_core::submesh::MeshParams;
-use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{BuildError, Builder, CancelToken, Duplicate, Mesh, PredicateStats, Vertex};
+use ltbw_core::topology::{MAX_TETS, VertexId};
+use ltbw_core::{BuildError, CancelToken, PredicateStats, Vertex};
 use ltbw_exact::{Mode, Point, PointSet};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// The creator in the names of the coarse mesh: no worker has this number.
-const COARSE: WorkerId = WorkerId::new(u32::MAX);
 
 /// The rule that says who owns a new tetrahedron.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -138,7 +136,7 @@ impl Layout {
         set: &PointSet,
         wanted: &Wanted<'_>,
     ) -> Result<Prepared, BuildError> {
-        let Wanted { only, cut, cancel, of } = *wanted;
+        let Wanted { only, cut, cancel } = *wanted;
         let kernel = set.kernel_points();
         let order = match only {
             None => cut.map_or_else(|| hilbert(&kernel), |cut| cut.curve.order(&kernel)),
@@ -154,6 +152,7 @@ impl Layout {
         let mut points: Vec<Point> = Vec::with_capacity(order.len() + 1);
         points.par_extend(order.par_iter().map(|&i| kernel[i as usize]));
         let sample = self.sample_of(&points)?;
+        let started = sample.len();
         let params = MeshParams::of(&points, set.mode()).at_most(self.max_tets);
         let (low, high) = params.bounds();
         let count = self.workers * self.blocks_per_worker;
@@ -164,118 +163,105 @@ impl Layout {
             }
             Some(Cut { curve, weights }) => Blocks::weighted(curve, &points, weights, count),
         };
-        let owners: Vec<WorkerId> =
-            BlockId::below(blocks.len() as u32).map(|block| self.owner_of(block)).collect();
         // The one is sequential, the other mostly waits for memory.
-        let (coarse, mut workers) = rayon::join(
-            || coarse_mesh(&points, &sample),
-            || self.submeshes(&params, &blocks, &points, of),
-        );
+        let (coarse, meshes) =
+            rayon::join(|| Coarse::of(sample), || self.submeshes(&params, &blocks, &points));
         let coarse = coarse?;
-        let coarse = Coarse { mesh: &coarse, sample: &sample };
-        distribute(coarse, &points, &blocks, &owners, &mut workers);
-        let interface = match self.max_in_flight {
-            0 => Vec::new(),
-            _ => self.interface(coarse, &blocks, points.len() as u32),
-        };
-        let mut duplicates = Vec::new();
-        for &Duplicate { number, kept } in coarse.mesh.duplicates() {
-            duplicates.push([number, kept].map(|k| VertexId::new(1 + sample[k as usize])).into());
-        }
-        let workers = workers
-            .into_par_iter()
-            .map(|mesh| {
-                let me = mesh.me;
-                let range = self.range(me, &blocks);
-                let ranks = [range.start, range.end]
-                    .map(|v| sample.partition_point(|&rank| rank < v.saturating_sub(1)));
-                let out = sample[ranks[0]..ranks[1]].iter().map(|rank| rank + 1);
-                let field = PointQueue::new(blocks.clone(), range, out, self.cursors)
-                    .interface(interface.iter().cloned(), self.max_in_flight);
-                (Directory::new(me, &owners), mesh, field)
-            })
-            .collect();
-        let predicates = coarse.mesh.predicate_stats();
-        let mode = set.mode();
+        let workers = self.begin(&coarse, &blocks, meshes);
+        let duplicates = coarse.duplicates().collect();
+        let (mode, predicates) = (set.mode(), coarse.predicates());
         let (numbers, next) = (order, set.len() as Vertex);
         let common = SharedInput { points, numbers, next, duplicates, mode, predicates };
-        Ok(Prepared { workers, common, started: sample.len() })
+        Ok(Prepared { workers, common, started })
     }
 
-    /// Ranks of the sample, ascending: evenly along the curve, with four affinely independent
-    /// points among them.
-    fn sample_of(&self, points: &[Point]) -> Result<Vec<u32>, BuildError> {
-        let mut sample: Vec<u32> = independent(points)?.to_vec();
-        let n = points.len() as u64;
-        let size = (self.sample as u64).clamp(4, n);
-        sample.extend((0..size).map(|k| ((2 * k + 1) * n / (2 * size)) as u32));
-        sample.sort_unstable();
-        sample.dedup();
-        Ok(sample)
-    }
-
-    /// The pieces of the curve around those vertices of the sample that have a tetrahedron with
-    /// vertices of several workers.
-    fn interface(&self, coarse: Coarse<'_>, blocks: &Blocks, vertices: u32) -> Vec<Range<Place>> {
-        let Coarse { mesh, sample } = coarse;
-        let block = |k: u32| blocks.of_vertex(1 + sample[k as usize]);
-        let owner = |k: u32| self.owner_of(block(k));
-        let mut at_interface = vec![false; sample.len()];
-        for (_, tet) in mesh.topology().iter() {
-            let numbers = tet.vertices().map(|v| mesh.number(v));
-            let mut owners = numbers.iter().flatten().map(|&k| owner(k));
-            let first = owners.next();
-            if owners.any(|other| Some(other) != first) {
-                numbers.iter().flatten().for_each(|&k| at_interface[k as usize] = true);
-            }
-        }
-        // A vertex stands for those that are nearer to it on the curve than to others.
-        let middle = |k: usize| match (k.checked_sub(1), sample.get(k)) {
-            (None, _) => 1,
-            (_, None) => vertices + 1,
-            (Some(before), Some(&after)) => 1 + sample[before].midpoint(after),
-        };
-        let mut pieces: Vec<Range<Place>> = Vec::new();
-        for k in (0..sample.len()).filter(|&k| at_interface[k]) {
-            let (start, end) = (middle(k), middle(k + 1));
-            match pieces.last_mut() {
-                Some(last) if last.end == start => last.end = end,
-                _ => pieces.push(start..end),
-            }
-        }
-        pieces
-    }
-
-    /// A submesh for each worker, or for one alone, without tetrahedra, with the points of its
-    /// range.
-    fn submeshes(
+    /// The part of a start that is one worker's, whose others are elsewhere, and the predicate
+    /// calls of the coarse mesh.
+    ///
+    /// # Errors
+    /// As [`Layout::distribute`].
+    #[cfg(feature = "wire")]
+    pub(crate) fn prepare_one(
         &self,
-        params: &MeshParams,
-        blocks: &Blocks,
-        points: &[Point],
-        of: Option<WorkerId>,
-    ) -> Vec<LocalMesh> {
+        stretch: Stretch<'_>,
+    ) -> Result<(Vec<Ready>, PredicateStats), BuildError> {
+        let Stretch { me, points, vertices, params, sample } = stretch;
+        let params = params.at_most(self.max_tets);
+        let blocks = Blocks::even(vertices, self.workers * self.blocks_per_worker);
+        let (coarse, mesh) = rayon::join(
+            || Coarse::of(sample),
+            || self.submesh(me, &params, &blocks, Room { points, most: points.len() }),
+        );
+        let coarse = coarse?;
+        Ok((self.begin(&coarse, &blocks, vec![mesh]), coarse.predicates()))
+    }
+
+    /// Gives submeshes the tetrahedra of the coarse mesh, and the points that they are to insert.
+    fn begin(&self, coarse: &Coarse, blocks: &Blocks, mut meshes: Vec<LocalMesh>) -> Vec<Ready> {
+        let owners: Vec<WorkerId> =
+            BlockId::below(blocks.len() as u32).map(|block| self.owner_of(block)).collect();
+        coarse.distribute(blocks, &owners, &mut meshes);
+        let interface = match self.max_in_flight {
+            0 => Vec::new(),
+            _ => coarse.interface(blocks.end(), |place| owners[blocks.of_vertex(place).index()]),
+        };
+        let ready = |mesh: LocalMesh| {
+            let me = mesh.me;
+            let range = self.range(me, blocks);
+            let out = coarse.places_in(&range);
+            let field = PointQueue::new(blocks.clone(), range, out, self.cursors)
+                .interface(interface.iter().cloned(), self.max_in_flight);
+            (Directory::new(me, &owners), mesh, field)
+        };
+        meshes.into_par_iter().map(ready).collect()
+    }
+
+    /// The sample: evenly along the curve, with four affinely independent points among them.
+    fn sample_of(&self, points: &[Point]) -> Result<Sample, BuildError> {
+        let mut ranks = independent(points)?.to_vec();
+        ranks.extend(self.evenly(points.len() as u32));
+        let point = |rank: u32| Sampled { place: 1 + rank, at: points[rank as usize] };
+        Ok(Sample::of(ranks.into_iter().map(point).collect()))
+    }
+
+    /// Ranks among `points` points along the curve: those of the sample, ascending.
+    pub(crate) fn evenly(&self, points: u32) -> impl Iterator<Item = u32> + use<> {
+        let n = u64::from(points);
+        let size = (self.sample as u64).max(4).min(n);
+        (0..size).map(move |k| ((2 * k + 1) * n / (2 * size)) as u32)
+    }
+
+    /// A submesh for each worker, without tetrahedra, with the points of its range.
+    fn submeshes(&self, params: &MeshParams, blocks: &Blocks, points: &[Point]) -> Vec<LocalMesh> {
         let submesh = |me| {
             let me = WorkerId::new(me);
             let range = self.range(me, blocks);
-            let mut mesh = LocalMesh::new(me, params, blocks.clone(), range.clone());
-            if self.ownership != Ownership::Block {
-                mesh.fixed =
-                    Some(Fixed { ownership: self.ownership, each: self.blocks_per_worker });
-            }
-            if self.reserve {
-                // The first one receives all others in the end, if they are here.
-                let is_first = me == WorkerId::default() && of.is_none();
-                let share = if is_first { points.len() } else { range.len() };
-                mesh.tets.reserve(7 * share + share / 4 + 1024);
-            }
-            mesh.tets
-                .set_points(VertexId::new(1), &points[range.start as usize - 1..][..range.len()]);
-            mesh
+            // The first one receives all others in the end.
+            let most = if me == WorkerId::default() { points.len() } else { range.len() };
+            let points = &points[range.start as usize - 1..][..range.len()];
+            self.submesh(me, params, blocks, Room { points, most })
         };
-        let all = 0..self.workers;
-        let wanted = all.filter(|&me| of.is_none_or(|of| of.number() == me)).collect::<Vec<_>>();
-        wanted.into_par_iter().map(submesh).collect()
+        (0..self.workers).into_par_iter().map(submesh).collect()
+    }
+
+    /// A submesh without tetrahedra, with the points of its range.
+    fn submesh(
+        &self,
+        me: WorkerId,
+        params: &MeshParams,
+        blocks: &Blocks,
+        room: Room<'_>,
+    ) -> LocalMesh {
+        let Room { points, most } = room;
+        let mut mesh = LocalMesh::new(me, params, blocks.clone(), self.range(me, blocks));
+        if self.ownership != Ownership::Block {
+            mesh.fixed = Some(Fixed { ownership: self.ownership, each: self.blocks_per_worker });
+        }
+        if self.reserve {
+            mesh.tets.reserve(7 * most + most / 4 + 1024);
+        }
+        mesh.tets.set_points(VertexId::new(1), points);
+        mesh
     }
 
     /// The owner of a block at the start.
@@ -308,15 +294,38 @@ pub(crate) struct Wanted<'a> {
     pub(crate) cut: Option<Cut<'a>>,
     /// May end it early.
     pub(crate) cancel: Option<&'a CancelToken>,
-    /// The only worker that is made: the others are elsewhere.
-    pub(crate) of: Option<WorkerId>,
 }
+
+/// The points of a worker, and the number of those whose tetrahedra it may have in the end.
+#[derive(Clone, Copy)]
+struct Room<'a> {
+    points: &'a [Point],
+    most: usize,
+}
+
+/// A start as one worker has to know it: its stretch of the curve, and a little of the whole.
+#[cfg(feature = "wire")]
+#[derive(Clone, Debug)]
+pub(crate) struct Stretch<'a> {
+    pub(crate) me: WorkerId,
+    /// Kernel coordinates of its stretch.
+    pub(crate) points: &'a [Point],
+    /// Vertices of the whole mesh.
+    pub(crate) vertices: u32,
+    /// Parameters of the whole mesh.
+    pub(crate) params: MeshParams,
+    /// The vertices of the coarse mesh.
+    pub(crate) sample: Sample,
+}
+
+/// A worker ready to run: directory, submesh, points.
+pub type Ready = (Directory, LocalMesh, PointQueue);
 
 /// Workers ready to run.
 #[derive(Debug)]
 pub struct Prepared {
-    /// By worker: directory, submesh, points.
-    pub workers: Vec<(Directory, LocalMesh, PointQueue)>,
+    /// By worker.
+    pub workers: Vec<Ready>,
     /// Data to put their submeshes together afterwards.
     pub common: SharedInput,
     /// Points of the coarse mesh, its duplicates included.
@@ -338,110 +347,4 @@ pub struct SharedInput {
     pub mode: Mode,
     /// Predicate calls of the coarse mesh.
     pub predicates: PredicateStats,
-}
-
-/// The coarse mesh, and the ranks of its points.
-#[derive(Clone, Copy)]
-struct Coarse<'a> {
-    mesh: &'a Mesh,
-    sample: &'a [u32],
-}
-
-/// A tetrahedron of the coarse mesh, where it has gone.
-#[derive(Clone, Copy, Default)]
-struct Gone {
-    block: BlockId,
-    owner: WorkerId,
-    /// Its handle there.
-    local: TetId,
-}
-
-fn coarse_mesh(points: &[Point], sample: &[u32]) -> Result<Mesh, BuildError> {
-    let chosen: Vec<Point> = sample.iter().map(|&rank| points[rank as usize]).collect();
-    // Kernel coordinates are finite, and no more than the input's.
-    let distinct = chosen.len();
-    let set = PointSet::new(chosen).map_err(|_| BuildError::TooFewPoints { distinct })?;
-    Ok(Builder::new().build(&set)?.mesh)
-}
-
-/// Gives every tetrahedron of the coarse mesh to the owner of its block.
-fn distribute(
-    coarse: Coarse<'_>,
-    points: &[Point],
-    blocks: &Blocks,
-    owners: &[WorkerId],
-    workers: &mut [LocalMesh],
-) {
-    let Coarse { mesh: whole, sample } = coarse;
-    let topology = whole.topology();
-    let vertex = |v: VertexId| whole.number(v).map_or(NO_PLACE, |k| 1 + sample[k as usize]);
-    let corners = |t: TetId| topology.get(t).map(|tet| tet.vertices().map(vertex));
-    let tets: Vec<TetId> = topology.iter().map(|(t, _)| t).collect();
-    // By coarse tetrahedron.
-    let mut gone = vec![Gone::default(); topology.slots()];
-    let block_of = |&t: &TetId| corners(t).map_or(BlockId::default(), |v| blocks.of_tet(v));
-    let block_of_each: Vec<BlockId> = tets.par_iter().map(block_of).collect();
-    // The worker whose tetrahedra are made: all of them, or one alone if nobody else is here.
-    let first = workers.first().map_or(0, |mesh| mesh.me.index());
-    let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
-    for (&t, block) in tets.iter().zip(block_of_each) {
-        let owner = owners[block.index()];
-        gone[t.index()] = Gone { block, owner, local: TetId::default() };
-        if let Some(own) = owner.index().checked_sub(first).and_then(|k| theirs.get_mut(k)) {
-            own.push(t);
-        }
-    }
-    let create = |(mesh, tets): (&mut LocalMesh, &Vec<TetId>)| {
-        let mut made = Vec::with_capacity(tets.len());
-        for v in tets.iter().filter_map(|&t| corners(t)) {
-            let v = v.map(|w| match w {
-                NO_PLACE => INFINITE,
-                w => mesh.take_vertex(&WireVertex::new(w, points[w as usize - 1])),
-            });
-            // Without room the run fails before anything looks at the submesh.
-            let Some(local) = mesh.tets.create(v) else {
-                mesh.fail_for_room();
-                break;
-            };
-            made.push(local);
-        }
-        made.resize(tets.len(), TetId::default());
-        made
-    };
-    let made: Vec<Vec<TetId>> = workers.par_iter_mut().zip(&theirs).map(create).collect();
-    for (&t, local) in theirs.iter().flatten().zip(made.into_iter().flatten()) {
-        gone[t.index()].local = local;
-    }
-    let sound = workers.par_iter_mut().zip(&theirs).filter(|(mesh, _)| mesh.error.is_none());
-    sound.for_each(|(mesh, tets)| {
-        for &t in tets {
-            link(mesh, whole, t, &gone);
-        }
-        let (first, end) = (VertexId::new(1), mesh.vertices.after_run());
-        mesh.tets.set_own_range(first..end);
-    });
-}
-
-/// Links the faces of coarse tetrahedron `t`, which `mesh` has got.
-fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, gone: &[Gone]) {
-    let Gone { block, owner, local } = gone[t.index()];
-    debug_assert!(mesh.fixed.is_some() || block == mesh.block_of(local));
-    let faces = coarse.topology().get(t).map(Tet::neighbours).unwrap_or_default();
-    for (slot, face) in faces.into_iter().enumerate() {
-        let (u, there) = (tet_of(face), slot_of(face));
-        let other = gone[u.index()];
-        if other.owner == owner {
-            // Both ways at once.
-            if t < u {
-                mesh.tets.link(FaceId::new(local, slot), FaceId::new(other.local, there));
-            }
-            continue;
-        }
-        let name = Name { by: COARSE, number: u.number() };
-        let far = Handle { name, block: other.block, face: there as u8 };
-        if mesh.tets.link_far(FaceId::new(local, slot), far).is_none() {
-            mesh.fail_for_room();
-        }
-        mesh.set_name(local, Name { by: COARSE, number: t.number() });
-    }
 }

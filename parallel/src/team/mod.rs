@@ -305,13 +305,15 @@ impl<P: Post> Team<P> {
         self.tell(made)
     }
 
-    /// Each member gets what the others have for it: parts by receiver in, by sender out.
+    /// Each member gets what the others have for it: parts by receiver in, by sender out. A part
+    /// that is not there is empty.
     ///
     /// # Errors
     /// [`TeamError`] if a member has failed.
     pub fn exchange(&mut self, parts: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>, TeamError> {
         let (me, size) = (self.me(), self.size());
         let mut all: Vec<Vec<u8>> = vec![Vec::new(); size as usize];
+        let parts = parts.into_iter().chain(std::iter::repeat(Vec::new()));
         for (to, part) in WorkerId::below(size).zip(parts) {
             match to == me {
                 true => all[me.index()] = part,

@@ -1,21 +1,24 @@
-//! A worker in each process of a team: all begin from the same start, each with its own part, and
-//! each keeps its part in the end.
+//! A worker in each process of a team: each begins with its stretch of the points, which nobody has
+//! all of, and keeps its part of the mesh in the end.
 
 use super::worker_loop::{Broken, Ended, Loop};
 use super::{Node, Parallel, RunError, WorkerStats};
 use crate::WorkerError;
 use crate::balance::Workload;
-use crate::distributed::Part;
-use crate::mesh::{Layout, LocalMesh, Ownership, Place, Prepared, SharedInput, Wanted, given};
+use crate::distributed::{Ordered, Part, Slice, ask, bytes_of, order, values_of};
+use crate::mesh::{Layout, LocalMesh, Ownership, Place, Sample, Sampled, Stretch, given};
 use crate::metrics::SubmeshSize;
 use crate::payload::Payload;
-use crate::protocol::{Source, Worker};
+use crate::protocol::{Source, Worker, WorkerId};
 use crate::team::{Letters, Post, Team, TeamError};
 use crate::transport::Mail;
-use crate::wire::Wire;
+use crate::wire::{Wire, WireError};
+use ltbw_core::build::flat;
+use ltbw_core::submesh::MeshParams;
 use ltbw_core::topology::{INFINITE, VertexId};
 use ltbw_core::{BuildError, CancelToken, Duplicate, Outcome, Phase, PredicateStats, Vertex};
-use ltbw_exact::PointSet;
+use ltbw_exact::Mode;
+use rayon::prelude::*;
 use std::time::Instant;
 
 /// One member's part of a mesh, and how the whole came about.
@@ -26,8 +29,10 @@ pub struct BuiltPart {
     pub part: Part,
     /// The outcome, of the whole mesh.
     pub outcome: Outcome,
-    /// Duplicates met by all, by input indices, ascending.
+    /// Points that equal another one, by input indices, ascending: at the first member.
     pub duplicates: Vec<Duplicate>,
+    /// Their number.
+    pub num_duplicates: u64,
     /// Seconds of the start and of the workers.
     pub seconds: [f64; 2],
     /// Tetrahedra of the whole mesh.
@@ -47,15 +52,23 @@ struct Made {
     predicates: PredicateStats,
     /// Points were dropped.
     is_cut_short: bool,
-    /// Pairs of places: that of the point, and that of the vertex there.
-    duplicates: Vec<[Place; 2]>,
+    /// Points of its stretch that equal another one.
+    duplicates: u64,
     tets: u64,
     hull_faces: u64,
 }
 
+/// A member about to insert.
+struct Begun {
+    node: Node,
+    /// Predicate calls of the coarse mesh, at the first member.
+    predicates: PredicateStats,
+    /// Points of the coarse mesh.
+    started: u64,
+}
+
 impl Parallel<'_> {
-    /// Builds the mesh as one member of a team, all of whose members are given the same points:
-    /// each gets its own part.
+    /// Builds the mesh of the points of all slices as one member of a team: each gets its own part.
     ///
     /// # Errors
     /// [`RunError`] says why there is no mesh: the same at all members, but for the one that has
@@ -63,57 +76,47 @@ impl Parallel<'_> {
     pub fn build_on<P: Post>(
         &self,
         team: &mut Team<P>,
-        set: &PointSet,
+        slice: &Slice,
     ) -> Result<BuiltPart, RunError> {
         let clock = Instant::now();
-        let points = self.only.map_or(set.len(), <[_]>::len);
-        let total = points as u64;
-        let layout = self.plan_for(points);
+        let total = u64::from(slice.total());
+        let layout = self.plan_for(total as usize);
         if self.is_balanced || layout.ownership == Ownership::Block {
             return Err(RunError::Settings(UNBALANCED.to_owned()));
         }
         self.listener.tell(Phase::Order, 0, total);
-        let layout = Layout { reserve: true, ..layout };
-        let wanted = Wanted { of: Some(team.me()), ..self.wanted() };
-        let prepared = layout.prepare(set, &wanted);
+        let mut ordered = order(team, slice)?;
         // Each of them has its own token.
         let is_cancelled = self.cancel.is_some_and(CancelToken::is_cancelled);
         if team.is_any(is_cancelled)? {
             return Err(BuildError::Cancelled.into());
         }
-        let Prepared { workers, mut common, started } = prepared?;
-        // The worker has those of its own stretch, and those that it has met.
-        common.points = Vec::new();
-        let config = self.config();
-        let Some((directory, mesh, field)) = workers.into_iter().next() else {
-            return Err(RunError::Settings("a team has a worker".to_owned()));
-        };
-        self.listener.tell(Phase::Insert, started as u64, total);
+        let layout = Layout { reserve: true, ..layout };
+        let Begun { node, predicates: mut own, started } =
+            self.begin_on(team, layout, &mut ordered, slice.mode())?;
+        self.listener.tell(Phase::Insert, started, total);
         let start_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        let node: Node = Worker::new(config, directory, mesh, field);
         let (node, stats) = self.run_on(team, node)?;
         let seconds = [start_seconds, clock.elapsed().as_secs_f64()];
         let is_cut_short = node.has_dropped_points();
         let mesh = node.into_parts().0;
-        let mut predicates = mesh.tets().predicates();
-        if team.is_first() {
-            predicates += common.predicates;
-        }
+        own += mesh.tets().predicates();
         let made = Made {
             stats,
-            predicates,
+            predicates: own,
             is_cut_short,
-            duplicates: mesh.given_duplicates().collect(),
+            duplicates: ordered.duplicates.len() as u64,
             tets: mesh.given_tets().count() as u64,
             hull_faces: mesh.given_ghosts().count() as u64,
         };
         let all: Vec<Made> = team.gather_all(&made)?;
-        let duplicates = numbered(&mut common, all.iter().flat_map(|made| &made.duplicates));
+        let duplicates = duplicates_of(team, &ordered.duplicates, slice)?;
         let mut whole = BuiltPart {
-            part: part_of(&mesh, &common, set),
+            part: part_of(team, &mesh, &ordered, slice)?,
             outcome: Outcome::Complete,
             duplicates,
+            num_duplicates: 0,
             seconds,
             tets: 0,
             hull_faces: 0,
@@ -123,6 +126,7 @@ impl Parallel<'_> {
         for made in all {
             whole.tets += made.tets;
             whole.hull_faces += made.hull_faces;
+            whole.num_duplicates += made.duplicates;
             whole.predicates += made.predicates;
             whole.workers.push(made.stats);
             if made.is_cut_short {
@@ -130,6 +134,44 @@ impl Parallel<'_> {
             }
         }
         Ok(whole)
+    }
+
+    /// Makes the own part of a start: the coarse mesh, which all make, and the own stretch.
+    fn begin_on<P: Post>(
+        &self,
+        team: &mut Team<P>,
+        layout: Layout,
+        ordered: &mut Ordered,
+        mode: Mode,
+    ) -> Result<Begun, RunError> {
+        let (me, vertices) = (team.me(), ordered.vertices());
+        let mut placed = ordered.independent(team)?;
+        if placed.len() < 4 {
+            return Err(flat(placed.len(), vertices as usize).into());
+        }
+        placed.extend(ordered.of_all(team, layout.evenly(vertices))?);
+        let sampled = placed.into_iter().map(|(k, at)| Sampled { place: k + 1, at });
+        let sample = Sample::of(sampled.collect());
+        let started = sample.len() as u64;
+        // The submesh has them from here on.
+        let points = std::mem::take(&mut ordered.points);
+        let params = MeshParams::within(ordered.extent, mode);
+        let stretch = Stretch { me, points: &points, vertices, params, sample };
+        let prepared = layout.prepare_one(stretch);
+        drop(points);
+        // One alone may lack the memory.
+        let failed: Vec<bool> = team.gather_all(&prepared.is_err())?;
+        let (workers, predicates) = prepared?;
+        if let Some(member) = WorkerId::below(team.size()).find(|own| failed[own.index()]) {
+            return Err(TeamError::Failed(member).into());
+        }
+        let Some((directory, mesh, field)) = workers.into_iter().next() else {
+            return Err(RunError::Settings("a team has a worker".to_owned()));
+        };
+        // All have made the coarse mesh: it counts once.
+        let predicates = if team.is_first() { predicates } else { PredicateStats::default() };
+        let node = Worker::new(self.config(), directory, mesh, field);
+        Ok(Begun { node, predicates, started })
     }
 
     /// Runs one worker, whose others are the members of the team.
@@ -166,51 +208,77 @@ impl Parallel<'_> {
 /// The settings that a team does not have.
 const UNBALANCED: &str = "blocks do not move between processes";
 
-/// The duplicates by the input's numbers. The smallest number of equal points is the vertex,
-/// whichever was inserted first.
-fn numbered<'m>(
-    common: &mut SharedInput,
-    met: impl Iterator<Item = &'m [Place; 2]>,
-) -> Vec<Duplicate> {
-    let of_sample = common.duplicates.iter().map(|&(point, v)| [point, v].map(|v| v.number()));
-    // A number that is no place of the input is no duplicate.
-    let count = common.numbers.len();
-    let is_known =
-        |pair: &[Place; 2]| pair.iter().all(|&place| (1..=count).contains(&(place as usize)));
-    let mut pairs: Vec<[usize; 2]> = of_sample
-        .chain(met.copied())
-        .filter(is_known)
-        .map(|pair| pair.map(|place| place as usize - 1))
-        .collect();
-    pairs.sort_unstable();
-    let mut duplicates = Vec::with_capacity(pairs.len());
-    for &[point, v] in &pairs {
-        let (number, kept) = (common.numbers[point], common.numbers[v]);
-        common.numbers[v] = number.min(kept);
-        duplicates.push((number.max(kept), v));
+/// The duplicates that all members have found, at the first one, ascending.
+fn duplicates_of<P: Post>(
+    team: &mut Team<P>,
+    own: &[Duplicate],
+    slice: &Slice,
+) -> Result<Vec<Duplicate>, TeamError> {
+    let own = own.iter().map(|&Duplicate { number, kept }| [number, kept]);
+    let all = team.gather(bytes_of(own))?.unwrap_or_default();
+    let mut duplicates = Vec::new();
+    for (from, bytes) in WorkerId::below(team.size()).zip(&all) {
+        for (k, [number, kept]) in values_of::<[Vertex; 2]>(from, bytes)?.enumerate() {
+            known(from, [number, kept], [8 * k, bytes.len()], slice)?;
+            duplicates.push(Duplicate { number, kept });
+        }
     }
-    let kept = |(number, v): (Vertex, usize)| Duplicate { number, kept: common.numbers[v] };
-    let mut duplicates: Vec<Duplicate> = duplicates.into_iter().map(kept).collect();
     duplicates.sort_unstable();
-    duplicates
+    Ok(duplicates)
 }
 
-/// A submesh by the numbers and the coordinates of the input.
-fn part_of(mesh: &LocalMesh, common: &SharedInput, set: &PointSet) -> Part {
+/// Makes sure that `from` has sent numbers of points, at this place of its bytes.
+fn known<const N: usize>(
+    from: WorkerId,
+    numbers: [Vertex; N],
+    [at, length]: [usize; 2],
+    slice: &Slice,
+) -> Result<(), TeamError> {
+    if numbers.iter().all(|&number| number < slice.total()) {
+        return Ok(());
+    }
+    let reason = "a number of no point".to_owned();
+    Err(WireError { from, at, length, reason }.into())
+}
+
+/// A submesh by the numbers and the coordinates of the input. The numbers of vertices of other
+/// stretches are asked for.
+fn part_of<P: Post>(
+    team: &mut Team<P>,
+    mesh: &LocalMesh,
+    ordered: &Ordered,
+    slice: &Slice,
+) -> Result<Part, TeamError> {
     let finite = || mesh.tets().tets().map(|(_, v)| v).filter(|v| v[3] != INFINITE);
     // By vertex of the submesh: first whether it is used, then its place in the part.
     let mut of_vertex = vec![0_u32; mesh.num_vertices() + 1];
     finite().flatten().for_each(|v| of_vertex[v.index()] = 1);
-    let number = |place: Place| common.numbers[place as usize - 1];
     let vertices = (1..of_vertex.len()).map(VertexId::at).filter(|v| of_vertex[v.index()] > 0);
+    let used: Vec<(Place, VertexId)> =
+        vertices.filter_map(|v| Some((given(mesh.name(v))?, v))).collect();
+    let mut asked: Vec<Place> = used.iter().map(|&(place, _)| place - 1).collect();
+    asked.extend(mesh.given_ghosts().flatten().map(|place| place - 1));
+    asked.par_sort_unstable();
+    asked.dedup();
+    let before = ordered.before(team.me());
+    let told = ask(team, &asked, &ordered.firsts, |place| {
+        ordered.numbers.get(place.checked_sub(before)? as usize).copied()
+    })?;
+    for (&place, &number) in asked.iter().zip(&told) {
+        let teller = ordered.firsts.partition_point(|&first| first <= place.into());
+        known(WorkerId::new(teller as u32 - 1), [number], [0, 0], slice)?;
+    }
+    // Whatever is asked for is there.
+    let number = |place: Place| told[asked.partition_point(|&other| other < place - 1)];
     let mut used: Vec<(Vertex, VertexId)> =
-        vertices.filter_map(|v| Some((number(given(mesh.name(v))?), v))).collect();
-    used.sort_unstable();
+        used.into_par_iter().map(|(place, v)| (number(place), v)).collect();
+    used.par_sort_unstable();
     used.iter().zip(0..).for_each(|(&(_, v), place)| of_vertex[v.index()] = place);
-    Part {
+    let point = |v: VertexId| slice.mode().from_kernel(mesh.tets().point(v));
+    Ok(Part {
         numbers: used.iter().map(|&(number, _)| number).collect(),
-        points: used.iter().map(|&(number, _)| set.points()[number as usize]).collect(),
+        points: used.iter().map(|&(_, v)| point(v)).collect(),
         tets: finite().map(|v| v.map(|v| of_vertex[v.index()])).collect(),
         hull: mesh.given_ghosts().map(|v| v.map(number)).collect(),
-    }
+    })
 }

@@ -1,12 +1,12 @@
 //! Letters between workers: the first byte says of which kind, the others are the letter; or
 //! letters, each with its length before it, that one of two members sends while both hash and check
-//! a mesh of which each has a part.
+//! a mesh of which each has a part, and put its points in order.
 //!
 //! A letter that can be read can be written, and read again, as it was; another one is refused by
 //! the name of its sender. Neither takes more memory than a few times the letter's, as a nested or
 //! an announced length would.
 
-use ltbw::distributed::{self, Part};
+use ltbw::distributed::{self, Part, Slice, SliceError};
 use ltbw::mesh::LocalMesh;
 use ltbw::protocol::WorkerId;
 use ltbw::refining::DomainMesh;
@@ -35,8 +35,8 @@ pub fn wire(bytes: &[u8]) {
     }
 }
 
-/// Hashes, gathers and checks a small mesh as a member of two, whatever the other one sends; ends
-/// with the first thing that makes no sense.
+/// Hashes, gathers and checks a small mesh as a member of two, and puts its points in order,
+/// whatever the other one sends; ends with the first thing that makes no sense.
 pub fn together<P: Post>(team: &mut Team<P>) {
     let points: Vec<Point> =
         (0..12).map(|k| [k * 7 % 5, k * 3 % 4, k % 3].map(f64::from)).collect();
@@ -56,7 +56,23 @@ pub fn together<P: Post>(team: &mut Team<P>) {
     let mut run = || -> Result<(), TeamError> {
         check_parted(&mut Judge(team), &judged, &Options::default())?;
         distributed::hash(team, &part)?;
-        distributed::gather(team, &part, set.len()).map(drop)
+        distributed::gather(team, &part, set.len())?;
+        let slice = match Slice::new(team, given.to_vec()) {
+            Ok(slice) => slice,
+            Err(SliceError::Team(error)) => return Err(error),
+            // The other one has told of points that are none.
+            Err(_) => return Ok(()),
+        };
+        let ordered = distributed::order(team, &slice)?;
+        let placed = ordered.independent(team)?;
+        assert!(placed.len() <= 4);
+        let vertices = ordered.vertices();
+        let all = ordered.of_all(team, (0..vertices).step_by(2))?;
+        assert!(all.iter().all(|&(k, p)| k < vertices && p.iter().all(|c| c.is_finite())));
+        let tags: Vec<i64> = (0..slice.points().len() as i64).collect();
+        distributed::tags(team, &slice, Some(&tags), &[0, 5, 7])?;
+        distributed::thickness(team, &slice)?;
+        distributed::gather_points(team, &slice, Some(&tags)).map(drop)
     };
     if let Err(error) = run() {
         assert!(error.to_string().contains("worker"), "{error}");

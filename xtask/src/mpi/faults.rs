@@ -20,9 +20,12 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
     let folder = &bench.folder;
     fs::write(folder.join("nan.xyz"), "0 0 0\n1 0 0\n0 NaN 0\n0 0 1\n1 1 1\n")
         .map_err(|error| error.to_string())?;
-    let refusals: [(&[&str], i32, &str); 9] = [
+    fs::write(folder.join("short.node"), "3 3 0 0\n1 0 0 0\n2 1 0 0\n")
+        .map_err(|error| error.to_string())?;
+    let refusals: [(&[&str], i32, &str); 10] = [
         (&["delaunay", "missing.npy"], 3, "missing.npy"),
-        (&["delaunay", "nan.xyz"], 3, "not a finite number"),
+        (&["delaunay", "nan.xyz"], 3, "ltbw: nan.xyz: line 3: `NaN` is not a finite number"),
+        (&["delaunay", "short.node"], 3, "short.node: line 4: the file announces 3 points"),
         (&["mesh", "uniform-40.npy"], 3, "uniform-40.npy"),
         (&["delaunay", "uniform-40.npy", "--no-such-option"], 2, "--no-such-option"),
         (&["simulate"], 2, "delaunay and mesh"),
@@ -91,19 +94,25 @@ fn different(bench: &Bench) -> Result<u32, String> {
         copied.map(drop).map_err(|error| error.to_string())
     };
     input(0, "uniform-40.npy")?;
-    input(1, "sphere-5000.npy")?;
+    // As long, and different in the second one's slice.
+    let mut bytes = fs::read(folder.join("uniform-40.npy")).map_err(|error| error.to_string())?;
+    bytes.iter_mut().rev().take(1).for_each(|byte| *byte ^= 1);
+    fs::write(folder.join("other-40.npy"), bytes).map_err(|error| error.to_string())?;
+    input(1, "other-40.npy")?;
     let script = "cd rank-$OMPI_COMM_WORLD_RANK && exec \"$0\" delaunay points.npy";
     let own_folders = || {
         let mut job = bench.job(2, &[]);
         watched(job.args(["sh", "-c", script, &program]), PATIENCE)
     };
+    expect("another slice", &own_folders()?, 3, "rank 1 has read another input")?;
+    input(1, "sphere-5000.npy")?;
     expect("another input", &own_folders()?, 3, "rank 1 has read another input")?;
     fs::remove_file(folder.join("rank-1/points.npy")).map_err(|error| error.to_string())?;
     expect("no input at one rank", &own_folders()?, 3, "rank 1: points.npy")?;
     let mut job = bench.job(2, &[]);
     job.env("LTBW_MPI_WAIT", "sometimes").args(usual);
     expect("another way to wait", &watched(&mut job, PATIENCE)?, 2, "spin, yield or nap")?;
-    Ok(5)
+    Ok(6)
 }
 
 /// Writes a program that can be run.
