@@ -194,7 +194,8 @@ pub(crate) fn quality_json(quality: &Quality) -> Value {
 pub(crate) fn quality_line(quality: &Quality) -> String {
     let (d, r) = (&quality.dihedral, &quality.radius_edge);
     format!(
-        "quality   dihedral {:.2} to {:.2} degrees, scaled Jacobian at least {:.4}, radius-edge at most {:.4}",
+        "quality   dihedral {:.2} to {:.2} degrees, scaled Jacobian at least {:.4}, radius-edge at \
+         most {:.4}",
         d.least.value, d.largest.value, quality.scaled_jacobian.value, r.largest.value
     )
 }

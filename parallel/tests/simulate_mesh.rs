@@ -121,7 +121,7 @@ fn who_has_nothing_to_do_looks_for_messages_where_that_costs() {
     assert!(vain(&looking) > 2 * vain(&asleep), "{} {}", vain(&looking), vain(&asleep));
     assert!(looking.makespan >= asleep.makespan);
     let idle = |run: &Summary| run.workers.iter().map(|w| w.times.idle).sum::<u64>();
-    // What is left is the time between the ends of two workers.
+    // The time between the ends of two workers is left.
     assert!(100 * idle(&looking) < idle(&asleep), "{} {}", idle(&looking), idle(&asleep));
     for worker in &looking.workers {
         let vain = worker.polls.total_time - worker.polls.useful_time;

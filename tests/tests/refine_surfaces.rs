@@ -228,8 +228,8 @@ fn flange(n: u32, degrees: f64) -> Domain {
     surface(vertices, &triangles)
 }
 
-/// One tetrahedron of four corners of a trapezoid, of some 1e-6 degrees, was left, since every point
-/// for it made tetrahedra over their bounds, which could have been split.
+/// One tetrahedron of four corners of a trapezoid, of some 1e-6 degrees, was left: every point for
+/// it made tetrahedra over their bounds, which could have been split.
 #[test]
 fn nothing_flat_is_left_of_a_turned_flange() {
     for (n, degrees) in [(8, 10.0), (8, 30.0), (12, 10.0), (16, 50.0), (24, 30.0)] {

@@ -61,8 +61,9 @@ cargo xtask COMMAND
   paper [TABLE|FIGURE]... [--full|--small] [--write]
                         the paper's tables and figures, run and simulated beside the paper's own:
                         table-1 to table-6, figure-5 to figure-7, and a study of setbacks;
-                        target/paper/paper.html has them as pictures. 15 minutes; --full has the paper's sizes and takes hours, --small
-                        seconds; --write brings docs/paper-tables.md up to date
+                        target/paper/paper.html has them as pictures. 15 minutes; --full has the
+                        paper's sizes and takes hours, --small seconds; --write brings
+                        docs/paper-tables.md up to date
   rounds [DIR]          refinement in rounds: 500 random domains in five orders, named ones and the
                         parts of a folder in 22, tiny ones in all
   stacks [COUNT | FIRST..END]

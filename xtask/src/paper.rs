@@ -28,8 +28,9 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     let words: Vec<&str> = rest.iter().map(|word| word.as_str()).collect();
     let command = ["cargo xtask paper", &words.join(" ")].join(" ");
     let head = format!(
-        "# The paper's tables and figures\n\nMade by `{} --write`; [what they stand for](paper.md). Each \
-         row says whether it is *run* on one machine, *simulated*, or *the paper's*.\n\n",
+        "# The paper's tables and figures\n\nMade by `{} --write`; [what they stand \
+         for](paper.md). \
+         Each row says whether it is *run* on one machine, *simulated*, or *the paper's*.\n\n",
         command.trim_end()
     );
     let path = root().join(PAGE);

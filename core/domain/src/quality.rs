@@ -68,8 +68,8 @@ pub struct TetQuality {
     pub volume: f64,
     /// Edge lengths, in the order of the angles.
     pub edges: [f64; 6],
-    /// Six volumes over the largest product of the three edges at a corner, √2 times: 1 for a regular
-    /// tetrahedron, 0 for a flat one, never negative (Knupp 2003).
+    /// √2 times six volumes over the largest product of the three edges at a corner: 1 for a
+    /// regular tetrahedron, 0 for a flat one, never negative (Knupp 2003).
     pub scaled_jacobian: f64,
 }
 

@@ -342,7 +342,7 @@ fn tolerances_that_make_no_sense_are_refused() {
     }
 }
 
-/// What they were on may be gone afterwards.
+/// The facet that a point is on may be gone afterwards.
 #[test]
 fn points_are_not_given_in_a_surface_that_is_simplified() {
     let mut ball = surfaces::globe(6, 8, 0.0, 1);

@@ -152,6 +152,11 @@ pub struct Sliver {
     pub near: Option<Reason>,
 }
 
+impl Sliver {
+    /// Degrees below which a dihedral angle makes a mesh useless, whatever is excused.
+    pub const FLAT: f64 = 0.1;
+}
+
 /// The outcome of a refinement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RefineOutcome {

@@ -157,8 +157,8 @@ impl Collector {
         self.span(begin, end, SpanKind::Poll, None);
     }
 
-    /// The worker had nothing to do from `begin` to `end` but to look for messages, so many times in
-    /// vain.
+    /// The worker had nothing to do from `begin` to `end` but to look for messages, `looks` times,
+    /// in vain.
     pub fn look_on(&mut self, begin: Nanos, end: Nanos, looks: u64) {
         self.idle_until(begin);
         let time = self.advance(end);

@@ -38,6 +38,7 @@ pub(crate) const CRATES: &[Crate] = &[
     on(6, "ltbw_python", "bindings/python"),
     on(6, "ltbw_c", "bindings/c"),
     on(6, "ltbw_mpi", "parallel/mpi"),
+    on(5, "ltbw_traditional", "xtask/traditional"),
     alone("xtask", "xtask"),
 ];
 

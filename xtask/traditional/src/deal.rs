@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Instant;
 
-/// What was sent.
+/// The parts that were sent.
 pub(crate) struct Dealt {
     pub(crate) bytes: usize,
     /// Vertices of all parts: those between parts count for each.

@@ -1,9 +1,9 @@
 //! `ltbw-traditional KIND VOLUME PARTS FOLDER`: the way to a distributed mesh that the paper
 //! compares its kernel with (Tables I and II), a step after the other: one thread makes the mesh of
 //! a model domain; it is written to a file, as one program gives it to the next; the next one reads
-//! it, makes the graph of its tetrahedra, and lets METIS part it; each part is sent to a thread of its
-//! own, which numbers its vertices. The last line is JSON: seconds of the clock and of the processor
-//! for each step, and figures of the partition. `cargo xtask paper` prints them.
+//! it, makes the graph of its tetrahedra, and lets METIS part it; each part is sent to a thread of
+//! its own, which numbers its vertices. The last line is JSON: seconds of the clock and of the
+//! processor for each step, and figures of the partition. `cargo xtask paper` prints them.
 
 mod deal;
 mod graph;
@@ -19,7 +19,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use step::{Step, timed};
 
-/// What can go wrong: a message says it all.
+/// Anything that can go wrong: a message says it all.
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {

@@ -1,5 +1,6 @@
 //! The share of a mesh that is excused, and whether that is little enough to go on.
 
+use crate::outcome::Sliver;
 use crate::{RefineError, Refined};
 
 /// The part of the inside that is over a bound, and excused for it.
@@ -16,8 +17,8 @@ pub struct ExcusedShare {
 impl ExcusedShare {
     /// The share up to which a mesh serves, where nobody says another.
     pub const USUAL: f64 = 0.01;
-    /// Degrees below which a dihedral angle makes a mesh useless, whatever is excused.
-    pub const FLAT: f64 = 0.1;
+    /// [`Sliver::FLAT`].
+    pub const FLAT: f64 = Sliver::FLAT;
     /// The largest that may be asked for.
     pub const LARGEST: f64 = 0.05;
 

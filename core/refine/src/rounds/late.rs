@@ -5,7 +5,7 @@
 use super::{Class, Next, Rounds};
 use crate::late::again::Asking;
 use crate::late::relief::Goal;
-use crate::output::share::ExcusedShare;
+use crate::outcome::Sliver;
 use crate::thin::Thin;
 use ltbw_core::topology::TetId;
 
@@ -98,8 +98,8 @@ impl Rounds<'_, '_> {
         None
     }
 
-    /// Is a point to be taken for a sliver whose own tetrahedra keep the bounds? They need not where
-    /// it is flat: what is over its bounds is split by the rounds that follow.
+    /// Have the tetrahedra of a point for a sliver to keep the bounds? They need not where it is
+    /// flat: those over their bounds are split by the rounds that follow.
     pub(super) fn keeps_bounds(&self) -> bool {
         !matches!(STEPS.get(self.late.step), Some(Step::Flat))
     }
@@ -108,7 +108,7 @@ impl Rounds<'_, '_> {
     fn has_flat(&mut self) -> bool {
         if self.late.slivers.is_none() {
             let mut flat = self.own.slivers();
-            flat.retain(|&(_, v)| self.own.state.least_angle(v) < ExcusedShare::FLAT);
+            flat.retain(|&(_, v)| self.own.state.least_angle(v) < Sliver::FLAT);
             self.late.slivers = Some(flat);
             self.late.before = self.own.inserted.points.total();
         }

@@ -29,7 +29,8 @@ pub(crate) fn stacked(columns: &[String], series: &[Series]) -> String {
             let (y, height) = (frame.y(below + at(own, k)), frame.height(at(own, k)));
             let _ = writeln!(
                 svg,
-                "<rect x=\"{:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{height:.1}\" fill=\"{colour}\"/>",
+                "<rect x=\"{:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{height:.1}\" \
+                 fill=\"{colour}\"/>",
                 x + 0.1 * step,
                 0.8 * step
             );
@@ -94,8 +95,8 @@ impl Frame {
     /// The picture with its axis and the names of its series.
     fn begin(&self, series: &[Series]) -> String {
         let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" \
-             font-family=\"sans-serif\" font-size=\"12\">\n"
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
+             width=\"{WIDTH}\" font-family=\"sans-serif\" font-size=\"12\">\n"
         );
         for part in 0..=4 {
             let value = self.most * f64::from(part) / 4.0;

@@ -56,8 +56,8 @@ pub(crate) fn figure(programs: &Programs) -> Result<Vec<Block>, Failure> {
         return Err("workers in rounds have made another mesh than one thread".into());
     }
     let head = ["gear", "tetrahedra", "smallest", "below 20°", "above 140°", "largest"];
-    let below = "The paper compares its parallel mesh with a sequential one. In rounds both are one \
-                 mesh, hash by hash; without rounds the mesh depends on the timing.";
+    let below = "The paper compares its parallel mesh with a sequential one. In rounds both are \
+                 one mesh, hash by hash; without rounds the mesh depends on the timing.";
     let table = Table {
         title: "Figure 6: dihedral angles of the gear".into(),
         head: cells(head),

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use table::{Block, markdown, page};
 
-/// What can go wrong: a message says it all.
+/// Anything that can go wrong: a message says it all.
 type Failure = Box<dyn std::error::Error>;
 
 const USAGE: &str = "\

@@ -65,7 +65,7 @@ const FULL: Plan = Plan {
     study: problem("cube-in-cube", "1M", "1.78e-6"),
 };
 
-/// What takes seconds.
+/// The sizes that take seconds.
 const SMALL: Plan = Plan {
     model: &[problem("cube-octahedron", "20k", "1e-4")],
     cubes: &[problem("cube-in-cube", "60k", "3e-5")],
@@ -75,7 +75,7 @@ const SMALL: Plan = Plan {
     study: problem("cube-in-cube", "18k", "1e-4"),
 };
 
-/// What takes minutes.
+/// The sizes that take minutes.
 const USUAL: Plan = Plan {
     model: &[problem("cube-octahedron", "1M", "1.73783e-6")],
     cubes: &[problem("cube-in-cube", "1M", "1.78e-6")],

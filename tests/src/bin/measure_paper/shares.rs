@@ -17,7 +17,8 @@ const WAYS: [(&str, &str); 2] = [("creator", "LTBW"), ("block", "by blocks (SMGP
 fn run(
     programs: &Programs,
     problem: Problem,
-    (processors, ownership): (u32, &str),
+    processors: u32,
+    ownership: &str,
 ) -> Result<Value, Failure> {
     let count = processors.to_string();
     let own = ["--processors", &count, "--ownership", ownership];
@@ -41,7 +42,7 @@ pub(crate) fn over_processors(programs: &Programs) -> Result<Vec<Block>, Failure
         for (ownership, name) in WAYS {
             let mut line = Series { name: format!("{}, {name}", problem.size), values: Vec::new() };
             for processors in PROCESSORS {
-                let report = run(programs, problem, (processors, ownership))?;
+                let report = run(programs, problem, processors, ownership)?;
                 let whole = number(&report, &["simulation", "whole", "makespan"])?;
                 line.values.push(whole * 1e-9);
                 if processors != 16 || ownership != "creator" {
@@ -121,7 +122,7 @@ pub(crate) fn of_cavities(programs: &Programs) -> Result<Vec<Block>, Failure> {
     ];
     let mut blocks = Vec::new();
     for &problem in programs.plan.tee {
-        let report = run(programs, problem, (16, "creator"))?;
+        let report = run(programs, problem, 16, "creator")?;
         let all = workers(&report)?;
         let mut series: Vec<Series> = KINDS
             .iter()

@@ -74,8 +74,8 @@ pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {
             head: cells(head),
             rows,
             below: format!(
-                "Cube-in-cube, {}, without rounds; the paper's machine, 16 processors, 100 µs and a \
-                 look after every cavity where nothing else is said.",
+                "Cube-in-cube, {}, without rounds; the paper's machine, 16 processors, 100 µs and \
+                 a look after every cavity where nothing else is said.",
                 programs.plan.study.size
             ),
         }));

@@ -72,9 +72,11 @@ pub(crate) fn markdown(blocks: &[Block]) -> String {
 /// All blocks as a page that needs nothing else.
 pub(crate) fn page(blocks: &[Block]) -> String {
     let mut text = String::from(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>The paper's tables and figures</title>\n\
+        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\">\
+         <title>The paper's tables and figures</title>\n\
          <style>body{font:15px sans-serif;max-width:70em;margin:2em auto;padding:0 1em}\
-         table{border-collapse:collapse}td,th{border-bottom:1px solid #ddd;padding:.2em .7em;text-align:right}\
+         table{border-collapse:collapse}\
+         td,th{border-bottom:1px solid #ddd;padding:.2em .7em;text-align:right}\
          td:first-child,th:first-child{text-align:left}p{color:#444}svg{max-width:100%}</style>\n\
          <h1>The paper's tables and figures</h1>\n",
     );

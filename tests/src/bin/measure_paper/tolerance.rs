@@ -35,8 +35,9 @@ pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {
         }
     }
     let machine = "Simulated: cube-in-cube without rounds on 32 processors of the paper's machine \
-                   (2.4 ms a cavity, 33 µs a look for messages, also while there is nothing to do, \
-                   146 µs a message, 100 Mbit/s, and 100 µs of latency, which the paper does not give).";
+                   (2.4 ms a cavity, 33 µs a look for messages, also while there is nothing to \
+                   do, 146 µs a message, 100 Mbit/s, and 100 µs of latency, which the paper does \
+                   not give).";
     Ok(vec![
         Block::Table(table_4(&runs, machine)?),
         Block::Table(table_5(&runs, machine)?),
@@ -60,7 +61,8 @@ fn table<const N: usize>(
     runs: &[Run],
     words: [&str; 2],
     by: fn(&Value) -> Option<f64>,
-    (rows, paper): (&[Row<N>], [&str; N]),
+    rows: &[Row<N>],
+    paper: [&str; N],
 ) -> Result<(Vec<String>, Vec<Vec<String>>), Failure> {
     let mut head = vec![String::new()];
     let mut body: Vec<Vec<String>> = rows.iter().map(|row| vec![row.name.to_owned()]).collect();
@@ -134,7 +136,7 @@ fn table_4(runs: &[Run], machine: &str) -> Result<Table, Failure> {
         },
     ];
     let paper = ["16M: lowest LT", "16M: highest LT"];
-    let (head, rows) = table(runs, ["lowest LT", "highest LT"], lt, (&rows, paper))?;
+    let (head, rows) = table(runs, ["lowest LT", "highest LT"], lt, &rows, paper)?;
     let below = format!("{machine} Of the processors that tolerate latency least and best.");
     Ok(Table { title: "Table IV: completed cavities".into(), head, rows, below })
 }
@@ -178,7 +180,7 @@ fn table_5(runs: &[Run], machine: &str) -> Result<Table, Failure> {
         },
     ];
     let paper = ["8M: lowest LT", "16M: lowest LT"];
-    let (head, rows) = table(runs, ["lowest LT", "highest LT"], lt, (&rows, paper))?;
+    let (head, rows) = table(runs, ["lowest LT", "highest LT"], lt, &rows, paper)?;
     let below = format!("{machine} Run times are the kernel's, without the start and the end.");
     Ok(Table { title: "Table V: latency tolerance".into(), head, rows, below })
 }
@@ -231,7 +233,7 @@ fn table_6(runs: &[Run], machine: &str) -> Result<Table, Failure> {
     ];
     let paper = ["8M: least useful", "8M: most useful", "16M: least useful", "16M: most useful"];
     let words = ["least useful", "most useful"];
-    let (head, rows) = table(runs, words, useful_share, (&rows, paper))?;
+    let (head, rows) = table(runs, words, useful_share, &rows, paper)?;
     let below = format!(
         "{machine} The time of a useful look here is that of the look alone; the paper's has the \
          handling of what was found in it, and a poll of the paper may take several messages."

@@ -97,9 +97,9 @@ fn table_1(all: &[Taken]) -> Table {
         head: cells(head),
         rows,
         below: format!(
-            "Run: cube with an octahedral hole, one thread, medians of {RUNS}, seconds of the clock; \
-             METIS k-way into {PARTS} parts (the paper: ParMetis on 16 SP processors), a thread for each \
-             part, which numbers its vertices anew (data movement)."
+            "Run: cube with an octahedral hole, one thread, medians of {RUNS}, seconds of the \
+             clock; METIS k-way into {PARTS} parts (the paper: ParMetis on 16 SP processors), a \
+             thread for each part, which numbers its vertices anew (data movement)."
         ),
     }
 }
@@ -127,10 +127,11 @@ fn table_2(all: &[Taken], workers: usize) -> Table {
         title: "Table II: whole times".into(),
         head: cells(["seconds", "sequential", "traditional", "in place", "traditional / in place"]),
         rows,
-        below: "In place: from the domain to parts that stay where they are, by workers that share \
-                nothing; the start, and putting the parts together at the end, are in it. The paper \
-                has 16 processors: with fewer the sequential part, which is most of the traditional \
-                way, counts for less."
-            .into(),
+        below:
+            "In place: from the domain to parts that stay where they are, by workers that share \
+                nothing; the start, and putting the parts together at the end, are in it. The \
+                paper has 16 processors: with fewer the sequential part, which is most of the \
+                traditional way, counts for less."
+                .into(),
     }
 }
