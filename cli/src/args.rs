@@ -287,7 +287,7 @@ pub(crate) struct MeshArgs {
     /// Largest volume of a tetrahedron
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub(crate) max_volume: Option<f64>,
-    /// Largest edge length: no volume above that of the regular tetrahedron with such edges
+    /// Edge length: no volume above the regular one's with such edges
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_negative_numbers = true)]
     pub(crate) size: Option<f64>,
     /// Edge lengths at the domain's vertices: TetGen's .mtr file
@@ -299,7 +299,7 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_name = "MESH", requires = "sizes")]
     #[arg(hide_short_help = true)]
     pub(crate) background: Option<PathBuf>,
-    /// Bounds as TetGen's switches give them: `q` with a ratio, `a` with a volume
+    /// Bounds in TetGen's switches: `q` with a ratio, `a` a volume
     #[arg(
         long,
         value_name = "SWITCHES",
@@ -320,8 +320,7 @@ pub(crate) struct MeshArgs {
     /// Write the exterior between domain and convex hull, too (tag 0)
     #[arg(long)]
     pub(crate) keep_exterior: bool,
-    /// Write the Delaunay mesh of all points, without regions, if the boundary cannot be brought
-    /// into it
+    /// Write the mesh of all points where the boundary is not in it
     #[arg(long)]
     #[arg(hide_short_help = true)]
     pub(crate) write_unrecovered: bool,

@@ -49,7 +49,7 @@ pub(crate) struct Preparation {
     /// the domain's diagonal.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) simplify: Option<f64>,
-    /// Measure from the middle of the domain: keeps more bits of one far from the origin
+    /// Measure from the middle of the domain: keeps more bits far off
     ///
     /// The offset is reported. The default where the distance takes two bits or more.
     #[arg(long)]

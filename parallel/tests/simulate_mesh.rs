@@ -87,7 +87,7 @@ fn who_polls_seldom_has_the_same_mesh_with_fewer_polls() {
     let runs: Vec<Meshed> = [1, 2, 50, u32::MAX]
         .into_iter()
         .map(|poll_every| {
-            let costs = CostModel::cow();
+            let costs = CostModel { idle_poll: 0.0, ..CostModel::cow() };
             let options = Options { poll_every, costs, network: Network::cow(), ..options(5) };
             run(&set, layout, Rule::WoundWait, &options)
         })
