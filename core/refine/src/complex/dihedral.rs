@@ -37,6 +37,11 @@ impl DihedralBound {
         Self { cos2: 1.0 - sin2, thick: 0.564_75 * sin2 }
     }
 
+    /// The weaker of this bound and [`TINY`].
+    pub(crate) fn or_tiny(self) -> Self {
+        if self.cos2 < TINY.cos2 { TINY } else { self }
+    }
+
     /// The square of the sine, times 9/16 and a little more: what `ltbw_core::test_bounds` asks.
     pub(crate) fn thick(&self) -> f64 {
         self.thick

@@ -7,7 +7,7 @@
 
 use super::star::Made;
 use crate::complex::carrier::{Carrier, free_point};
-use crate::complex::dihedral::sharpest;
+use crate::complex::dihedral::{DihedralBound, sharpest};
 use crate::complex::measure::Shape;
 use crate::mesh::bounds::Bounds;
 use crate::mesh::facet::Change;
@@ -58,17 +58,25 @@ impl Refinement<'_> {
     }
 }
 
+/// The terms on which a point is taken for a sliver.
+pub(crate) struct Terms {
+    /// Its tetrahedra have no smaller dihedral angle.
+    pub(crate) dihedral: DihedralBound,
+    /// They keep all bounds. Else those that do not are split by the rounds that follow.
+    pub(crate) keeps_bounds: bool,
+}
+
 impl Judge<'_> {
     /// The sharpest angle among the tetrahedra that a point makes with these changes, as the square
-    /// of its cosine; `None` if one is a sliver, or over its bounds where they are to be kept.
+    /// of its cosine; `None` if one is not as the terms ask for.
     pub(crate) fn sharpest_of_star(
         &self,
         place: &Place,
         changes: &[Change],
         bounds: &Bounds<'_>,
-        keeps_bounds: bool,
+        terms: &Terms,
     ) -> Option<f64> {
-        let dihedral = bounds.dihedral?;
+        let &Terms { dihedral, keeps_bounds } = terms;
         let mut most = 0.0f64;
         for Made { corners, region } in self.closure.star(place, changes) {
             let own = corners.each_ref();

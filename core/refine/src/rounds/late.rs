@@ -5,6 +5,7 @@
 use super::{Class, Next, Rounds};
 use crate::late::again::Asking;
 use crate::late::relief::Goal;
+use crate::late::sliver::Terms;
 use crate::outcome::Sliver;
 use crate::thin::Thin;
 use ltbw_core::topology::TetId;
@@ -19,8 +20,20 @@ enum Step {
     Insist,
     Slivers,
     /// Slivers that are flat, at the price of others over their bounds.
-    Flat,
+    Flat(Price),
 }
+
+/// The price at which flat slivers go, beside bounds that are broken for a while.
+#[derive(Clone, Copy)]
+enum Price {
+    /// No sliver.
+    None,
+    /// Slivers of a degree and more.
+    Slivers,
+}
+
+/// The most flat slivers that go at a price: more are the doing of the domain's surface.
+const MOST_FLAT: usize = 32;
 
 /// The late steps in their order. What is flat is a matter of few, and bounded by its own steps.
 const STEPS: [Step; 13] = [
@@ -32,11 +45,11 @@ const STEPS: [Step; 13] = [
     Step::Relief(Goal::Bounds),
     // Relief makes room.
     Step::Slivers,
-    Step::Flat,
+    Step::Flat(Price::None),
     Step::Slivers,
-    Step::Flat,
+    Step::Flat(Price::Slivers),
     Step::Slivers,
-    Step::Flat,
+    Step::Flat(Price::Slivers),
     Step::Slivers,
 ];
 
@@ -50,7 +63,8 @@ pub(super) struct Late {
     pub(super) asking: Asking,
     /// Slivers not yet looked at, when all else is done.
     pub(super) slivers: Option<Vec<Thin>>,
-    /// The points when flat ones were last looked for.
+    /// The number of flat ones, and of points, when they were last looked for.
+    flat: usize,
     before: u64,
     /// The tetrahedra that may have tiny dihedral angles, if others have looked at all.
     pub(super) thin: Option<Vec<TetId>>,
@@ -72,12 +86,16 @@ impl Rounds<'_, '_> {
                     self.late.slivers = None;
                     false
                 }
-                Step::Flat if self.has_flat() => return Some(Next::Round(Class::Slivers)),
-                Step::Flat => {
+                Step::Flat(_) if self.has_flat() => return Some(Next::Round(Class::Slivers)),
+                Step::Flat(_) => {
                     self.late.slivers = None;
-                    // Where no point was made slivers would stay as they are.
-                    if self.own.inserted.points.total() == self.late.before {
-                        self.late.step = STEPS.len();
+                    match self.late.flat {
+                        0 => self.late.step = STEPS.len(),
+                        // Where no point was made other slivers would stay as they are.
+                        _ if self.own.inserted.points.total() == self.late.before => {
+                            self.late.step += 1;
+                        }
+                        _ => {}
                     }
                     false
                 }
@@ -98,10 +116,16 @@ impl Rounds<'_, '_> {
         None
     }
 
-    /// Have the tetrahedra of a point for a sliver to keep the bounds? They need not where it is
-    /// flat: those over their bounds are split by the rounds that follow.
-    pub(super) fn keeps_bounds(&self) -> bool {
-        !matches!(STEPS.get(self.late.step), Some(Step::Flat))
+    /// The terms on which a point is taken for a sliver; `None` if slivers are not looked for.
+    pub(super) fn terms(&self) -> Option<Terms> {
+        let dihedral = self.own.bounds.as_ref()?.dihedral?;
+        Some(match STEPS.get(self.late.step) {
+            Some(Step::Flat(Price::None)) => Terms { dihedral, keeps_bounds: false },
+            Some(Step::Flat(Price::Slivers)) => {
+                Terms { dihedral: dihedral.or_tiny(), keeps_bounds: false }
+            }
+            _ => Terms { dihedral, keeps_bounds: true },
+        })
     }
 
     /// Is a flat sliver left? They are looked for once in a step.
@@ -109,6 +133,10 @@ impl Rounds<'_, '_> {
         if self.late.slivers.is_none() {
             let mut flat = self.own.slivers();
             flat.retain(|&(_, v)| self.own.state.least_angle(v) < Sliver::FLAT);
+            if flat.len() > MOST_FLAT {
+                flat.clear();
+            }
+            self.late.flat = flat.len();
             self.late.slivers = Some(flat);
             self.late.before = self.own.inserted.points.total();
         }

@@ -191,7 +191,7 @@ impl Rounds<'_, '_> {
     ) -> Option<Served> {
         let judge = seen.judge(&self.own.record);
         let bounds = self.own.bounds.as_ref()?;
-        let cos2 = judge.sharpest_of_star(&place, &filling.changes, bounds, self.keeps_bounds())?;
+        let cos2 = judge.sharpest_of_star(&place, &filling.changes, bounds, &self.terms()?)?;
         Some(Served { item, place, cavity: seen.tets.to_vec(), filling, cos2 })
     }
 }

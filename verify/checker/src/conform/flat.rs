@@ -14,6 +14,7 @@ use super::patch::{Cast, Patch};
 use super::slab::{Slab, big_dot, dot, minus};
 use super::whole::{Units, Whole};
 use super::{Plc, edge};
+use crate::mesh::Point;
 use num_bigint::BigInt;
 use std::collections::{HashMap, HashSet, VecDeque};
 
@@ -83,8 +84,16 @@ pub(crate) fn find(plc: &Plc, corners: &[Whole]) -> Option<Vec<Patch>> {
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return Some(Vec::new());
     }
-    let units = Units::of(&[&plc.vertices])?;
-    let at: Vec<Whole> = plc.vertices.iter().map(|p| units.whole(p)).collect();
+    // Vertices that no facet names may be points of finer coordinates: none of them is looked at.
+    let mut is_named = vec![false; plc.vertices.len()];
+    let named = plc.facets.iter().flat_map(|f| &f.polygons).flatten();
+    named.for_each(|&v| is_named[v as usize] = true);
+    let named = plc.vertices.iter().zip(&is_named).filter(|(_, is_named)| **is_named);
+    let units = Units::of(&[&named.map(|(p, _)| *p).collect::<Vec<Point>>()])?;
+    let whole = |(p, is_named): (&Point, &bool)| {
+        if *is_named { units.whole(p) } else { Whole::default() }
+    };
+    let at: Vec<Whole> = plc.vertices.iter().zip(&is_named).map(whole).collect();
     if at.iter().flatten().any(|c| c.abs() > LARGEST) {
         return None;
     }
