@@ -25,11 +25,7 @@ struct Part {
 }
 
 /// Sends all parts of a mesh. The processor's time is that of the sender and of all receivers.
-pub(crate) fn deal(
-    mesh: &TetMesh,
-    part: &[Idx],
-    parts: usize,
-) -> Result<(Step, Dealt), Failure> {
+pub(crate) fn deal(mesh: &TetMesh, part: &[Idx], parts: usize) -> Result<(Step, Dealt), Failure> {
     let (clock, own) = (Instant::now(), of_thread()?);
     let mut lists: Vec<Vec<usize>> = vec![Vec::new(); parts];
     for (t, &part) in part.iter().enumerate() {

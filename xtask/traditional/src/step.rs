@@ -19,15 +19,10 @@ impl Step {
 }
 
 /// Carries out a step on this thread.
-pub(crate) fn timed<T>(
-    work: impl FnOnce() -> Result<T, Failure>,
-) -> Result<(Step, T), Failure> {
+pub(crate) fn timed<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<(Step, T), Failure> {
     let (clock, processor) = (Instant::now(), of_thread()?);
     let made = work()?;
-    let step = Step {
-        clock: clock.elapsed().as_secs_f64(),
-        processor: of_thread()? - processor,
-    };
+    let step = Step { clock: clock.elapsed().as_secs_f64(), processor: of_thread()? - processor };
     Ok((step, made))
 }
 
