@@ -287,7 +287,7 @@ pub(crate) struct MeshArgs {
     /// Largest volume of a tetrahedron
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub(crate) max_volume: Option<f64>,
-    /// Edge length: no volume above the regular one's with such edges
+    /// Largest edge length: no volume above that of the regular tetrahedron with such edges
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_negative_numbers = true)]
     pub(crate) size: Option<f64>,
     /// Edge lengths at the domain's vertices: TetGen's .mtr file

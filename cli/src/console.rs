@@ -30,6 +30,12 @@ pub(crate) fn be_silent() {
     SILENT.set();
 }
 
+/// Is anybody told more than errors and outcomes by this process? Else notes that cost time need
+/// not be found out.
+pub(crate) fn is_heard() -> bool {
+    !SILENT.is_set() && !QUIET.is_set()
+}
+
 /// Prints a line for people, to stderr.
 pub(crate) fn people(line: &str) {
     if SILENT.is_set() || QUIET.is_set() && !line.starts_with("ltbw: ") {

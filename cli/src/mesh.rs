@@ -111,7 +111,7 @@ pub(crate) fn mesh_from(
     let Start { ready, flat_tolerance, field } =
         going_on.map_or_else(|| Start::of(args, &source), start_with)?;
     drop(stage);
-    if going_on.is_none() && args.preparation.simplify.is_none() {
+    if going_on.is_none() && args.preparation.simplify.is_none() && console::is_heard() {
         needles::advice(&ready, flat_tolerance).iter().for_each(|line| console::people(line));
     }
     let job = Job {

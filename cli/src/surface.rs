@@ -23,7 +23,7 @@ pub(crate) struct Preparation {
     pub(crate) exact_input: bool,
     /// Points that are vertices, too: .npy .xyz .csv .node ...
     ///
-    /// Within three steps of the lattice of the boundary they are put on it; outside: left out.
+    /// Within three lattice steps of the boundary they are put on it; outside: left out.
     #[arg(long, value_name = "FILE")]
     #[arg(hide_short_help = true)]
     pub(crate) points: Option<PathBuf>,

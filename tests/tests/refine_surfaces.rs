@@ -6,7 +6,7 @@ use ltbw::domain::{Domain, Facet, PrepareOptions};
 use ltbw::quality::Quality;
 use ltbw::refine::{Excuse, Reason, RefineOutcome, Refined, Refiner};
 use ltbw_generate::surfaces::{single, turned};
-use ltbw_verify::{ConformityDefect, Limits, Mesh, Options, Plc, PlcFacet, conforms};
+use ltbw_verify::{ConformityDefect, Limits, Mesh, Options, conforms};
 use std::f64::consts::PI;
 
 /// A domain of triangles.
@@ -112,17 +112,7 @@ fn certified_within(
     }
     assert!(refined.lost.is_empty(), "{name}: {:?}", refined.lost.first());
     let mesh = refined.inside();
-    let facet = |f: &Facet| PlcFacet {
-        polygons: f.polygons.clone(),
-        holes: f.holes.clone(),
-        marker: f.marker,
-    };
-    let plc = Plc {
-        vertices: ready.domain.vertices.iter().chain(&ready.domain.points).copied().collect(),
-        facets: ready.domain.facets.iter().map(facet).collect(),
-        flat_tolerance: tolerance,
-        ..Plc::default()
-    };
+    let plc = ltbw_cli::plc_of(&ready.domain, tolerance);
     let limits = Limits { radius_edge: Some(2.0), max_volume: volume, ..Limits::default() };
     let view = Mesh::new(&mesh.points, &mesh.tets);
     let options = Options { numbered_regions: true, ..Options::default() };
@@ -439,13 +429,7 @@ fn wrong_tiles_of_a_patch_are_found() {
         .expect("a mesh");
     let mesh = refined.inside();
     let judge = |tets: &[[u32; 4]], tolerance: f64| {
-        let facet = |f: &Facet| PlcFacet { polygons: f.polygons.clone(), ..PlcFacet::default() };
-        let plc = Plc {
-            vertices: ready.domain.vertices.clone(),
-            facets: ready.domain.facets.iter().map(facet).collect(),
-            flat_tolerance: tolerance,
-            ..Plc::default()
-        };
+        let plc = ltbw_cli::plc_of(&ready.domain, tolerance);
         let view = Mesh::new(&mesh.points, tets);
         conforms(&view, &plc, None, &Limits::default(), &Options::default())
     };

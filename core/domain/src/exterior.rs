@@ -7,7 +7,7 @@
 
 use crate::check::Exterior;
 use crate::repair::{Repairs, Surface};
-use crate::triangulate::edges;
+use crate::triangulate::{edges, sorted};
 use crate::{CheckOptions, Domain, DomainError, DomainReport, Facet};
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
@@ -142,7 +142,6 @@ impl Surface {
                 continue;
             }
             let found = crate::triangulate::facet(&self.domain.vertices, &facet);
-            let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
             let mut uses: HashMap<[u32; 2], u32> = HashMap::new();
             let sides = found.triangles.iter().flat_map(|t| edges(t));
             sides.for_each(|side| *uses.entry(sorted(side)).or_default() += 1);

@@ -48,7 +48,7 @@ pub fn largest_tolerance(domain: &Domain) -> f64 {
 /// `read` is the surface as its file has it, `ready` as it is to be meshed.
 pub fn usual_tolerance(read: &Domain, ready: &Domain) -> f64 {
     let (read, _) = read.near();
-    let own = read.diagonal() / f64::from(1u32 << 22);
+    let own = rounding_of(&read);
     let digits = Digits::of(&read.vertices);
     let told = if is_single(&read.vertices, digits.most) {
         let numbers = read.vertices.iter().flatten();
@@ -60,6 +60,12 @@ pub fn usual_tolerance(read: &Domain, ready: &Domain) -> f64 {
     // Far from the origin single-precision steps are no small lengths, and so are decimals of
     // numbers with few digits.
     own.max(2.0 * told).min(largest_tolerance(ready))
+}
+
+/// The distance within which facets of a surface are coplanar, whatever its numbers tell: 2^-22 of
+/// the diagonal.
+pub(crate) fn rounding_of(domain: &Domain) -> f64 {
+    domain.diagonal() / f64::from(1u32 << 22)
 }
 
 /// Digits of a number below which it is one that somebody chose, not one that was rounded.

@@ -1,5 +1,6 @@
 //! [`Needles`]: how many triangles of a surface have an angle that no mesh can keep to.
 
+use crate::triangulate::sorted;
 use crate::vector::{cross, distance2, dot, minus};
 use crate::{Domain, Facet};
 use ltbw_exact::Point;
@@ -35,10 +36,6 @@ fn corners(facet: &Facet) -> Option<[u32; 3]> {
     }
 }
 
-fn sorted(v: u32, w: u32) -> [u32; 2] {
-    [v.min(w), v.max(w)]
-}
-
 impl Needles {
     /// Counts them; sides of triangles that are coplanar within a tolerance need not be in a mesh.
     #[must_use]
@@ -52,7 +49,7 @@ impl Needles {
             count += 1;
             for [v, w] in [[a, b], [b, c], [c, a]] {
                 sum += distance2(at(v), at(w)).sqrt();
-                let beside = edges.entry(sorted(v, w)).or_default();
+                let beside = edges.entry(sorted([v, w])).or_default();
                 if let Some(place) = beside.facets.get_mut(beside.count) {
                     *place = f;
                 }
@@ -60,7 +57,9 @@ impl Needles {
             }
         }
         let is_inner = |v: u32, w: u32| {
-            let Some(Beside { count: 2, facets }) = edges.get(&sorted(v, w)) else { return false };
+            let Some(Beside { count: 2, facets }) = edges.get(&sorted([v, w])) else {
+                return false;
+            };
             let [one, other] = facets.map(|f| &domain.facets[f]);
             let both = corners(one).zip(corners(other));
             one.marker == other.marker

@@ -12,10 +12,12 @@
 use crate::exterior::LEFT_OUT;
 use crate::repair::{Repairs, Surface};
 use crate::straight::{Grid, Line, Plane, UNIT};
-use crate::triangulate::{self, edges};
+use crate::triangulate::{self, edges, sorted};
 use crate::vector::{cross, distance2, dot, minus};
 use crate::{CheckOptions, Domain, DomainError, Lattice};
 use ltbw_exact::Point;
+use ltbw_exact::points::ascending;
+use ltbw_exact::predicates::cmp_xyz;
 use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -68,7 +70,6 @@ struct Pieces<'d> {
 impl<'d> Pieces<'d> {
     fn of(domain: &'d Domain) -> Self {
         let at = |v: u32| domain.vertices[v as usize];
-        let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
         let polygons = domain.facets.iter().flat_map(|f| &f.polygons);
         let sides = polygons.flat_map(|polygon| edges(polygon));
         let mut all: Vec<[u32; 2]> =
@@ -126,13 +127,13 @@ impl<'d> Pieces<'d> {
                         Nearby { square: distance2(p, &at), at, of: v }.keep(&mut ends);
                     }
                     let mut own = own.map(|v| self.at(v));
-                    own.sort_by(order);
+                    own.sort_by(cmp_xyz);
                     let (part, square) = to_edge(p, own);
                     Nearby { square, at: own[0], of: (own[1], part) }.keep(&mut edge);
                 }
                 Piece::Triangle(corners, f) => {
                     let height = height_over(p, corners.map(|v| self.at(v)));
-                    let least_corner = self.corners(f).map(|v| self.at(v)).min_by(order);
+                    let least_corner = self.corners(f).map(|v| self.at(v)).min_by(cmp_xyz);
                     if let (Some(height), Some(at)) = (height, least_corner) {
                         Nearby { square: height * height, at, of: f }.keep(&mut facet);
                     }
@@ -181,11 +182,6 @@ impl<'d> Pieces<'d> {
     }
 }
 
-fn order(a: &Point, b: &Point) -> std::cmp::Ordering {
-    let by = |k: usize| a[k].total_cmp(&b[k]);
-    by(0).then(by(1)).then(by(2))
-}
-
 /// Something near a point: its squared distance, and a place that tells it from others.
 struct Nearby<T> {
     square: f64,
@@ -198,7 +194,7 @@ impl<T> Nearby<T> {
     fn keep(self, best: &mut Option<Self>) {
         let is_first = |other: &Self| {
             let by_distance = self.square.total_cmp(&other.square);
-            by_distance.then_with(|| order(&self.at, &other.at)).is_lt()
+            by_distance.then_with(|| cmp_xyz(&self.at, &other.at)).is_lt()
         };
         if best.as_ref().is_none_or(is_first) {
             *best = Some(self);
@@ -282,7 +278,7 @@ impl Surface {
                     continue;
                 }
                 Some(Spot::Edge(at) | Spot::Facet(at)) => at,
-                None if outside.contains(&key(&p)) => {
+                None if outside.contains(&ascending(&p)) => {
                     repairs.exterior_points += 1;
                     placed.map.push(LEFT_OUT);
                     continue;
@@ -290,7 +286,7 @@ impl Surface {
                 None => p,
             };
             let next = first + self.domain.points.len() as u32;
-            let &mut number = numbers.entry(key(&at)).or_insert(next);
+            let &mut number = numbers.entry(ascending(&at)).or_insert(next);
             placed.map.push(number);
             if number != next {
                 placed.doubled += 1;
@@ -316,7 +312,7 @@ impl Surface {
         let (low, high) = self.domain.bounds().unwrap_or_default();
         let is_in_box = |p: &Point| (0..3).all(|k| low[k] <= p[k] && p[k] <= high[k]);
         let mut outside: HashSet<[u64; 3]> =
-            free.iter().filter(|p| !is_in_box(p)).map(key).collect();
+            free.iter().filter(|p| !is_in_box(p)).map(ascending).collect();
         free.retain(is_in_box);
         if free.is_empty() {
             return Ok(outside);
@@ -326,12 +322,7 @@ impl Surface {
         let report = self.check(checks);
         let all = self.domain.vertices.split_off(count);
         let outer = report?.exterior.vertices.into_iter().map(|v| v as usize);
-        outside.extend(outer.filter_map(|v| Some(key(all.get(v.checked_sub(count)?)?))));
+        outside.extend(outer.filter_map(|v| Some(ascending(all.get(v.checked_sub(count)?)?))));
         Ok(outside)
     }
-}
-
-/// The bits of a place; there is one zero.
-fn key(p: &Point) -> [u64; 3] {
-    p.map(|c| (c + 0.0).to_bits())
 }

@@ -17,6 +17,15 @@ pub struct Extreme {
     pub tet: usize,
 }
 
+impl Extreme {
+    /// Takes another one that is less; the first of equal ones stays.
+    fn lower(&mut self, other: Self) {
+        if other.value < self.value {
+            *self = other;
+        }
+    }
+}
+
 /// Counts of values in bins of equal width.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
@@ -124,6 +133,12 @@ impl TetQuality {
         let scaled_jacobian = if most > 0.0 { std::f64::consts::SQRT_2 * det / most } else { 0.0 };
         Self { dihedral, radius_edge, volume: det / 6.0, edges, scaled_jacobian }
     }
+
+    /// The smallest dihedral angle, in degrees.
+    #[must_use]
+    pub fn least_dihedral(&self) -> f64 {
+        self.dihedral.into_iter().fold(f64::INFINITY, f64::min)
+    }
 }
 
 impl Histogram {
@@ -134,9 +149,7 @@ impl Histogram {
     }
 
     fn add(&mut self, value: f64, tet: usize) {
-        if value < self.least.value {
-            self.least = Extreme { value, tet };
-        }
+        self.least.lower(Extreme { value, tet });
         if value > self.largest.value {
             self.largest = Extreme { value, tet };
         }
@@ -148,9 +161,7 @@ impl Histogram {
 
     /// Adds the values of later tetrahedra: as if all had been added in their order.
     fn merge(&mut self, later: &Self) {
-        if later.least.value < self.least.value {
-            self.least = later.least;
-        }
+        self.least.lower(later.least);
         if later.largest.value > self.largest.value {
             self.largest = later.largest;
         }
@@ -179,7 +190,7 @@ fn figures<'a>(
 ) -> impl Iterator<Item = [f64; 4]> + use<'a> {
     tets.iter().map(|tet| {
         let q = TetQuality::of(tet.map(|v| &points[v as usize]));
-        let least = q.dihedral.into_iter().fold(f64::INFINITY, f64::min);
+        let least = q.least_dihedral();
         let largest = q.dihedral.into_iter().fold(f64::NEG_INFINITY, f64::max);
         [q.radius_edge, q.volume, least, largest]
     })
@@ -284,10 +295,8 @@ impl Quality {
         tet.edges.into_iter().for_each(|length| self.edge.add(length, t));
         self.radius_edge.add(tet.radius_edge, t);
         self.volume.add(tet.volume, t);
-        if tet.scaled_jacobian < self.scaled_jacobian.value {
-            self.scaled_jacobian = Extreme { value: tet.scaled_jacobian, tet: t };
-        }
-        let least = tet.dihedral.into_iter().fold(f64::INFINITY, f64::min);
+        self.scaled_jacobian.lower(Extreme { value: tet.scaled_jacobian, tet: t });
+        let least = tet.least_dihedral();
         self.small.iter_mut().zip(SMALL_ANGLES).for_each(|(n, a)| *n += u64::from(least < a));
     }
 
@@ -296,9 +305,7 @@ impl Quality {
         self.edge.merge(&later.edge);
         self.radius_edge.merge(&later.radius_edge);
         self.volume.merge(&later.volume);
-        if later.scaled_jacobian.value < self.scaled_jacobian.value {
-            self.scaled_jacobian = later.scaled_jacobian;
-        }
+        self.scaled_jacobian.lower(later.scaled_jacobian);
         self.small.iter_mut().zip(later.small).for_each(|(own, more)| *own += more);
     }
 

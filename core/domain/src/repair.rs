@@ -13,6 +13,7 @@
 mod notes;
 
 use crate::check::same_place;
+use crate::triangulate::sorted;
 use crate::vector::{distance2, dot, minus};
 use crate::{CheckOptions, Domain, DomainError, DomainReport, Facet};
 use ltbw_exact::Point;
@@ -109,10 +110,6 @@ fn simple(facet: &Facet) -> Option<&Vec<u32>> {
 
 fn edges(polygon: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
     (0..polygon.len()).map(|i| [polygon[i], polygon[(i + 1) % polygon.len()]])
-}
-
-fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
 }
 
 /// For each vertex the one that it becomes: vertices at the same place; and vertices nearer to each

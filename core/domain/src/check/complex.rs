@@ -3,9 +3,10 @@
 
 use super::Findings;
 use super::contact::sides_of;
-use crate::triangulate::{self, Problem, Triangulated, edges};
+use crate::triangulate::{self, Problem, Triangulated, edges, sorted};
 use crate::{DefectKind, Domain, Element, Facet};
 use ltbw_exact::Point;
+use ltbw_exact::points::ascending;
 use rayon::prelude::*;
 use rstar::{AABB, RTreeObject};
 use std::borrow::Cow;
@@ -256,7 +257,6 @@ fn drawn(facet: &Facet, triangles: &[[u32; 3]]) -> Vec<[bool; 3]> {
     if let [_] = triangles {
         return vec![[true; 3]];
     }
-    let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
     let mut sides: Vec<[u32; 2]> =
         facet.polygons.iter().flat_map(|p| edges(p)).map(sorted).collect();
     sides.sort_unstable();
@@ -267,10 +267,8 @@ fn drawn(facet: &Facet, triangles: &[[u32; 3]]) -> Vec<[bool; 3]> {
 /// For each vertex the least one with its coordinates; `None` if all are distinct.
 pub(crate) fn same_place(points: &[Point]) -> Option<Vec<u32>> {
     let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(points.len());
-    // Adding 0.0 turns -0.0 into 0.0.
-    let key = |p: &Point| p.map(|c| (c + 0.0).to_bits());
     let same: Vec<u32> =
-        (0..).zip(points).map(|(v, p)| *first.entry(key(p)).or_insert(v)).collect();
+        (0..).zip(points).map(|(v, p)| *first.entry(ascending(p)).or_insert(v)).collect();
     (first.len() < points.len()).then_some(same)
 }
 

@@ -9,6 +9,7 @@
 use super::cells::{Sets, edges};
 use super::complex::Complex;
 use super::contact::sides_of;
+use crate::triangulate::sorted;
 use ltbw_exact::predicates::{collinear, orient3d};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -25,7 +26,6 @@ pub(super) fn gaps(complex: &Complex<'_>, open: &[Open]) -> Vec<bool> {
     for (i, set) in connected(open, &sheets).into_iter().enumerate() {
         sets.entry(set).or_default().push(i);
     }
-    let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
     let all: HashSet<[u32; 2]> =
         complex.triangles.iter().flat_map(|&t| sides_of(t)).map(sorted).collect();
     let mut found = vec![false; open.len()];

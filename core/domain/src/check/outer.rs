@@ -4,6 +4,7 @@ use super::cells::{self, OUTSIDE, Sets};
 use super::contact::sides_of;
 use super::seeds::Question;
 use super::{Cell, Findings};
+use crate::triangulate::sorted;
 use crate::{DefectKind, Element};
 use ltbw_exact::Point;
 use rayon::prelude::*;
@@ -102,7 +103,6 @@ impl Question<'_> {
         if complex.loose.is_empty() {
             return Vec::new();
         }
-        let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
         let mut is_out: HashMap<[u32; 2], bool> = HashMap::new();
         for (&t, &idle) in complex.triangles.iter().zip(idle) {
             for side in sides_of(t) {

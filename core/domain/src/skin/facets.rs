@@ -1,18 +1,15 @@
 //! Boundary triangles that are in one plane exactly make one facet: its outlines, cut at the
 //! corners of the domain, and what else is drawn in it.
 
-use super::{Face, NONE, Skin, sides};
+use super::{Face, NONE, Skin};
+use crate::check::contact::sides_of;
 use crate::straight::Line;
-use crate::triangulate;
+use crate::triangulate::{self, sorted};
 use crate::vector::{cross, dominant, dot, minus};
 use crate::{Domain, Facet, Lattice};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, collinear, orient2d, orient3d};
 use std::collections::{HashMap, HashSet};
-
-fn edge([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
-}
 
 /// The segments of a boundary: edges where no facet continues.
 struct Segments {
@@ -28,9 +25,9 @@ impl Skin<'_> {
     pub(super) fn wide_facets(&self) -> Option<Domain> {
         let mut at_edge: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
         for (f, face) in self.faces.iter().enumerate() {
-            sides(face.corners)
+            sides_of(face.corners)
                 .iter()
-                .for_each(|side| at_edge.entry(edge(*side)).or_default().push(f));
+                .for_each(|side| at_edge.entry(sorted(*side)).or_default().push(f));
         }
         let continues = |own: &[usize]| match own {
             &[f, g] => self.continues(&self.faces[f], &self.faces[g]),
@@ -56,9 +53,9 @@ impl Skin<'_> {
             let (mut group, mut next) = (vec![first], 0);
             while let Some(&f) = group.get(next) {
                 next += 1;
-                for side in sides(self.faces[f].corners) {
-                    let own = &at_edge[&edge(side)];
-                    if segments.edges.contains(&edge(side)) {
+                for side in sides_of(self.faces[f].corners) {
+                    let own = &at_edge[&sorted(side)];
+                    if segments.edges.contains(&sorted(side)) {
                         continue;
                     }
                     group.extend(own.iter().filter(|&&g| !std::mem::replace(&mut seen[g], true)));
@@ -163,7 +160,7 @@ impl Skin<'_> {
             beyond.extend([([a, b], c), ([b, c], a), ([c, a], b)]);
         }
         let is_end = |side: &[u32; 2]| {
-            segments.edges.contains(&edge(*side)) && !beyond.contains_key(&[side[1], side[0]])
+            segments.edges.contains(&sorted(*side)) && !beyond.contains_key(&[side[1], side[0]])
         };
         let mut ends: Vec<[u32; 2]> = beyond.keys().copied().filter(is_end).collect();
         ends.sort_unstable();
@@ -243,7 +240,7 @@ impl Segments {
 
     /// The ends of the segment that an edge is a part of, ascending.
     fn whole(&self, [a, b]: [u32; 2]) -> Option<[u32; 2]> {
-        Some(edge([*self.chain(b, a).last()?, *self.chain(a, b).last()?]))
+        Some(sorted([*self.chain(b, a).last()?, *self.chain(a, b).last()?]))
     }
 }
 

@@ -10,13 +10,16 @@
 mod delaunay;
 mod facets;
 
+use crate::check::contact::sides_of;
+use crate::given::rounding_of;
 use crate::prepare::Prepared;
+use crate::triangulate;
 use crate::vector::{cross, dot, minus};
 use crate::{Domain, Facet, Lattice, PrepareError, PrepareOptions, Region};
 use ltbw_core::TetMesh;
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, orient3d};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Why a mesh cannot be gone on with.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -235,8 +238,7 @@ impl<'m> Skin<'m> {
     /// A seed for each set of tetrahedra between walls, by their tags; none where there is one set
     /// and no tag says anything.
     fn find_regions(&mut self, mesh: &TetMesh) {
-        let walls: std::collections::HashSet<[u32; 3]> =
-            self.faces.iter().map(|face| sorted(face.corners)).collect();
+        let walls: HashSet<[u32; 3]> = self.faces.iter().map(|face| sorted(face.corners)).collect();
         let mut seen = vec![false; self.tets.len()];
         let mut regions: Vec<(i64, Region)> = Vec::new();
         for first in 0..self.tets.len() {
@@ -301,7 +303,7 @@ impl<'m> Skin<'m> {
             Some(ready) => (ready, 0.0),
             None => {
                 let ready = self.triangles().prepare(&options)?;
-                let flat = ready.domain.diagonal() / f64::from(1_u32 << 22);
+                let flat = rounding_of(&ready.domain);
                 (ready, flat)
             }
         };
@@ -350,8 +352,8 @@ impl<'m> Skin<'m> {
         let outer: Vec<&Face> = self.faces.iter().filter(|face| face.is_outer).collect();
         let mut at_edge: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
         for (f, face) in outer.iter().enumerate() {
-            for [a, b] in sides(face.corners) {
-                at_edge.entry([a.min(b), a.max(b)]).or_default().push(f);
+            for side in sides_of(face.corners) {
+                at_edge.entry(triangulate::sorted(side)).or_default().push(f);
             }
         }
         let mut seen = vec![false; outer.len()];
@@ -369,8 +371,8 @@ impl<'m> Skin<'m> {
                 if dot(&normal, &normal) > widest.0 {
                     widest = (dot(&normal, &normal), f);
                 }
-                for [a, b] in sides(outer[f].corners) {
-                    let own = &at_edge[&[a.min(b), a.max(b)]];
+                for side in sides_of(outer[f].corners) {
+                    let own = &at_edge[&triangulate::sorted(side)];
                     if let [g, h] = own[..] {
                         let next = if g == f { h } else { g };
                         if !std::mem::replace(&mut seen[next], true) {
@@ -404,8 +406,4 @@ impl<'m> Skin<'m> {
         let nearest = outer.iter().enumerate().filter_map(hit).min_by(f64::total_cmp)?;
         Some([0, 1, 2].map(|k| from[k] + nearest / 2.0 * way[k]))
     }
-}
-
-fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
-    [[a, b], [b, c], [c, a]]
 }

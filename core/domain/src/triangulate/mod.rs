@@ -187,6 +187,11 @@ pub(crate) fn edges(polygon: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
     (0..count).map(|i| [polygon[i], polygon[(i + 1) % polygon.len()]])
 }
 
+/// An edge with its ends ascending: the same from either side.
+pub(crate) fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
 /// Three vertices that are not collinear, and two axes to which they project likewise: those across
 /// the largest component of the normal, as far as rounding tells. `None` if all are collinear.
 fn frame(points: &[Point], vertices: &[u32]) -> Option<([u32; 3], [usize; 2])> {

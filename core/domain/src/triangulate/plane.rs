@@ -14,7 +14,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::Problem;
+use super::{Problem, sorted};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, incircle, orient2d};
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -92,10 +92,6 @@ impl Iterator for Star<'_> {
     }
 }
 
-fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
-}
-
 impl Plane {
     /// The Delaunay triangulation of `points` of one plane, projected to two axes, of which three
     /// have to be not collinear. The projections have to be distinct.
@@ -105,7 +101,7 @@ impl Plane {
         let key = |v: u32| (points[v as usize][axes[0]], points[v as usize][axes[1]]);
         order.sort_by(|&v, &w| key(v).partial_cmp(&key(w)).unwrap_or(std::cmp::Ordering::Equal));
         if let Some(w) = order.windows(2).find(|w| key(w[0]) == key(w[1])) {
-            return Err(Problem::SamePlace(ordered([w[0], w[1]])));
+            return Err(Problem::SamePlace(sorted([w[0], w[1]])));
         }
         let mut plane = Self {
             points,
@@ -347,7 +343,7 @@ impl Plane {
                 crossing.push_back([c, d]);
             }
         }
-        self.forced.insert(ordered(edge));
+        self.forced.insert(sorted(edge));
         Ok(())
     }
 
@@ -381,7 +377,7 @@ impl Plane {
         for _ in 0..self.corners.len() {
             self.step();
             let [p, q] = [1, 2].map(|k| self.corners[t as usize][(place + k) % 3]);
-            if self.forced.contains(&ordered([p, q])) {
+            if self.forced.contains(&sorted([p, q])) {
                 return Err(Problem::Crossing(edge, [p, q]));
             }
             crossed.push_back([p, q]);
@@ -413,7 +409,7 @@ impl Plane {
 
     fn is_forced(&self, t: u32, place: usize) -> bool {
         let [p, q] = [1, 2].map(|k| self.corners[t as usize][(place + k) % 3]);
-        self.forced.contains(&ordered([p, q]))
+        self.forced.contains(&sorted([p, q]))
     }
 
     /// Removes what is reached from outside the hull without crossing a forced edge.
@@ -490,7 +486,7 @@ impl Plane {
         let mut loose = self.forced.clone();
         for [a, b, c] in self.kept() {
             for edge in [[a, b], [b, c], [c, a]] {
-                loose.remove(&ordered(edge));
+                loose.remove(&sorted(edge));
             }
         }
         let mut loose: Vec<[u32; 2]> = loose.into_iter().collect();

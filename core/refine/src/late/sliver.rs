@@ -105,8 +105,7 @@ impl State {
     /// The smallest dihedral angle of a tetrahedron in degrees, rounded in an order that is always
     /// the same.
     pub(crate) fn least_angle(&self, v: [VertexId; 4]) -> f64 {
-        let own = TetQuality::of(sorted(v.map(|v| self.at(v))).each_ref());
-        own.dihedral.into_iter().fold(f64::INFINITY, f64::min)
+        TetQuality::of(sorted(v.map(|v| self.at(v))).each_ref()).least_dihedral()
     }
 
     fn is_in_collar(&self, v: [VertexId; 4], bounds: &Bounds<'_>) -> bool {
