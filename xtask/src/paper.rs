@@ -37,9 +37,10 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     std::fs::write(&path, head + tables.trim_end() + "\n").map_err(|e| format!("{PAGE}: {e}"))
 }
 
-/// The program of `xtask/traditional`, which needs a C compiler for METIS.
+/// The program of `xtask/traditional`, which needs a C compiler for METIS. The crates below it are
+/// those of the workspace, which are built once.
 fn traditional() -> Result<PathBuf, String> {
-    let folder = target().join("traditional");
+    let folder = target();
     let manifest = root().join("xtask/traditional/Cargo.toml");
     let mut build = cargo();
     build.args(["build", "--quiet", "--release", "--locked", "--manifest-path"]).arg(manifest);

@@ -114,7 +114,7 @@ impl Layout {
     /// Builds the coarse mesh and distributes it.
     ///
     /// # Errors
-    /// As [`Builder::build`]: there is no first tetrahedron.
+    /// There is no first tetrahedron: too few points, or all of them in a plane.
     pub fn distribute(&self, set: &PointSet) -> Result<Prepared, BuildError> {
         self.prepare(set, &Wanted::default())
     }
