@@ -21,6 +21,9 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     let wishes = Wishes { deep: has("--deep"), rest: has("--rest") };
     let is_other = |arg: &&String| !["--deep", "--rest"].contains(&arg.as_str());
     let rest: Vec<&String> = args.iter().filter(is_other).collect();
+    if let Some(unknown) = rest.iter().find(|arg| arg.starts_with('-')) {
+        return Err(format!("model-check takes --deep, --rest and names of tests, not {unknown}"));
+    }
     let start = Instant::now();
     let (mut rows, mut times, mut failed) = (Vec::new(), Vec::new(), Vec::new());
     for part in PARTS {
