@@ -55,6 +55,7 @@ pub(crate) fn run() -> Result<(), String> {
     };
     shell::run(&mut valgrind(&points))?;
     by_pkg_config(&package, &dist, &own_target)?;
+    by_cmake(&package, &dist, &own_target)?;
     shell::run(valgrind(&domain).arg(own_target.join("domain.vtu")))?;
     kit(&lib.join("libltbw.so"))
 }
@@ -80,6 +81,20 @@ fn by_pkg_config(package: &Path, dist: &Path, own_target: &Path) -> Result<(), S
     shell::run(command(&program.to_string_lossy()).env("LD_LIBRARY_PATH", library))
 }
 
+/// Builds and runs a project of CMake that finds the package.
+fn by_cmake(package: &Path, dist: &Path, own_target: &Path) -> Result<(), String> {
+    if !shell::works(command("cmake").arg("--version")) {
+        let reason = "cmake does not start";
+        return require::skip("the CMake package of the C interface", "cmake", reason);
+    }
+    let folder = own_target.join("cmake");
+    let mut configure = command("cmake");
+    configure.arg("-S").arg(package.join("examples/cmake")).arg("-B").arg(&folder);
+    shell::run(configure.arg(format!("-DCMAKE_PREFIX_PATH={}", dist.display())))?;
+    shell::run(command("cmake").arg("--build").arg(&folder))?;
+    shell::run(&mut command(&folder.join("points").to_string_lossy()))
+}
+
 /// Runs cargo in the package.
 fn in_package(arguments: &[&str]) -> Result<(), String> {
     let mut cargo = command(&cargo().get_program().to_string_lossy());
@@ -91,23 +106,55 @@ fn in_package(arguments: &[&str]) -> Result<(), String> {
 pub(crate) fn build() -> Result<PathBuf, String> {
     let dist = target().join("c/dist");
     in_package(&["build", "--quiet", "--release"])?;
-    let failed = |error| format!("{}: {error}", dist.display());
-    install(&root().join("bindings/c"), &dist).map_err(failed)?;
+    install(&dist)?;
     Ok(dist)
 }
 
-/// Puts header, libraries and the pkg-config file where users would have them.
-fn install(package: &Path, dist: &Path) -> std::io::Result<()> {
-    let (include, lib) = (dist.join("include"), dist.join("lib"));
-    fs::create_dir_all(&include)?;
-    fs::create_dir_all(lib.join("pkgconfig"))?;
-    fs::copy(package.join("include/ltbw.h"), include.join("ltbw.h"))?;
-    for name in ["libltbw.so", "libltbw.a"] {
-        fs::copy(shell::bindings().join("release").join(name), lib.join(name))?;
+/// Puts header, libraries, and what pkg-config and CMake read where users would have them.
+fn install(dist: &Path) -> Result<(), String> {
+    let version = version()?;
+    let [major, minor] = [0, 1].map(|i| version.split('.').nth(i).unwrap_or("0"));
+    let package = root().join("bindings/c");
+    let lib = dist.join("lib");
+    let cmake = lib.join("cmake/ltbw");
+    for folder in [&dist.join("include"), &lib.join("pkgconfig"), &cmake] {
+        fs::create_dir_all(folder).map_err(|error| told(folder, &error))?;
     }
-    let text = fs::read_to_string(package.join("ltbw.pc.in"))?;
-    let text = text.replace("@PREFIX@", &dist.to_string_lossy());
-    fs::write(lib.join("pkgconfig/ltbw.pc"), text)
+    let copy =
+        |from: &Path, to: &Path| fs::copy(from, to).map(drop).map_err(|error| told(from, &error));
+    let built = shell::bindings().join("release");
+    copy(&package.join("include/ltbw.h"), &dist.join("include/ltbw.h"))?;
+    copy(&package.join("ltbw-config.cmake"), &cmake.join("ltbw-config.cmake"))?;
+    copy(&built.join("libltbw.a"), &lib.join("libltbw.a"))?;
+    // The loader asks for the major version, the linker for the plain name.
+    let whole = format!("libltbw.so.{version}");
+    copy(&built.join("libltbw.so"), &lib.join(&whole))?;
+    for (link, to) in [(format!("libltbw.so.{major}"), &whole), ("libltbw.so".into(), &whole)] {
+        let link = lib.join(link);
+        _ = fs::remove_file(&link);
+        std::os::unix::fs::symlink(to, &link).map_err(|error| told(&link, &error))?;
+    }
+    let filled = |name: &str, to: &Path| {
+        let from = package.join(name);
+        let text = fs::read_to_string(&from).map_err(|error| told(&from, &error))?;
+        let text = text.replace("@VERSION@", &version);
+        let text = text.replace("@MAJOR@", major).replace("@MINOR@", minor);
+        fs::write(to, text).map_err(|error| told(to, &error))
+    };
+    filled("ltbw.pc.in", &lib.join("pkgconfig/ltbw.pc"))?;
+    filled("ltbw-config-version.cmake.in", &cmake.join("ltbw-config-version.cmake"))
+}
+
+/// The version of the C interface.
+fn version() -> Result<String, String> {
+    let manifest = root().join("bindings/c/Cargo.toml");
+    let text = fs::read_to_string(&manifest).map_err(|error| told(&manifest, &error))?;
+    let version = text.split("\nversion = \"").nth(1).and_then(|rest| rest.split('"').next());
+    version.map(str::to_owned).ok_or_else(|| format!("{}: no version", manifest.display()))
+}
+
+fn told(path: &Path, error: &std::io::Error) -> String {
+    format!("{}: {error}", path.display())
 }
 
 /// The conformance kit through the library: all that it says it can must be right.

@@ -108,15 +108,13 @@ fn program(dist: &Path) -> Result<(), String> {
 fn library(dist: &Path) -> Result<(), String> {
     let built = c::build()?;
     let folder = fresh(dist, "ltbw-c")?;
-    for name in ["include/ltbw.h", "lib/libltbw.so", "lib/libltbw.a"] {
-        copy(&built.join(name), &folder.join(name))?;
-    }
-    // Wherever the archive is unpacked.
-    let text = read(&root().join("bindings/c/ltbw.pc.in"))?;
-    let text = text.replace("@PREFIX@", "${pcfiledir}/../..");
-    write(&folder.join("lib/pkgconfig/ltbw.pc"), text.as_bytes())?;
+    // Links stay links.
+    fs::create_dir_all(dist).map_err(|error| told(dist, &error))?;
+    shell::run(command("cp").arg("-a").arg(&built).arg(&folder))?;
     let pages = folder.join("share/doc/ltbw-c");
-    for name in ["README.md", "examples/points.c", "examples/domain.cpp"] {
+    for name in
+        ["README.md", "examples/points.c", "examples/domain.cpp", "examples/cmake/CMakeLists.txt"]
+    {
         copy(&root().join("bindings/c").join(name), &pages.join(name))?;
     }
     archive(dist, &folder, &pages)

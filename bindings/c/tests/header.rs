@@ -5,7 +5,17 @@ use std::path::Path;
 #[test]
 fn the_header_is_that_of_the_source() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).expect("configuration");
+    let mut config =
+        cbindgen::Config::from_file(folder.join("cbindgen.toml")).expect("configuration");
+    let [major, minor, patch] = [
+        env!("CARGO_PKG_VERSION_MAJOR"),
+        env!("CARGO_PKG_VERSION_MINOR"),
+        env!("CARGO_PKG_VERSION_PATCH"),
+    ];
+    config.after_includes = Some(format!(
+        "\n/* The version of this header. */\n#define LTBW_VERSION_MAJOR {major}\n\
+         #define LTBW_VERSION_MINOR {minor}\n#define LTBW_VERSION_PATCH {patch}"
+    ));
     let mut text = Vec::new();
     cbindgen::Builder::new()
         .with_crate(folder)
