@@ -32,10 +32,12 @@
 //! | measure meshes and threads | [`quality`], [`metrics`] |
 //! | set up the parallel kernel, or simulate one | [`threads`], [`balance`], [`simulate`] |
 //!
-//! Features, none of them on by itself:
+//! Features:
 //!
 //! | feature | what it brings |
 //! |---|---|
+//! | `io`, on by default | [`io`], and `domains`; without the two `cargo tree` has 30 crates, with them 66 |
+//! | `domains` | [`domain`], [`quality`], [`refine`] |
 //! | `ndarray` | [`PointSet`] of an (n, 3) view, arrays of meshes and of [`quality`] |
 //! | `nalgebra` | [`PointSet`] from a slice of `Point3<f64>`, a matrix of [`quality`] |
 //! | `serde` | [`Snapshot`], [`PointSet`], [`TetMesh`] and figures to be stored and read |
@@ -45,6 +47,7 @@
 //! `domain`, `watch` and `threads`, in the folder `examples` of this crate.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
+#![cfg_attr(not(feature = "domains"), expect(dead_code, reason = "refinement on workers uses it"))]
 
 pub mod balance;
 mod builder;
@@ -63,6 +66,7 @@ mod payload;
 pub mod prelude;
 #[doc(hidden)]
 pub mod protocol;
+#[cfg(feature = "domains")]
 #[doc(hidden)]
 pub mod refining;
 pub mod simulate;
@@ -89,17 +93,22 @@ pub use ltbw_core::{
     Outcome, Phase, Point, PointError, PointSet, Progress, Snapshot, Stats, TetMesh, Vertex, query,
     snapshot,
 };
+#[cfg(feature = "domains")]
 #[doc(no_inline)]
 pub use ltbw_domain::{self as domain, quality};
+#[cfg(feature = "domains")]
 #[doc(inline)]
 pub use ltbw_domain::{Domain, DomainDefect, DomainError, Facet, Lattice, Region, Snapped};
 #[cfg(any(feature = "nalgebra", feature = "ndarray"))]
 pub use ltbw_exact::interop;
 pub use ltbw_exact::{points, predicates};
+#[cfg(feature = "io")]
 #[doc(no_inline)]
 pub use ltbw_formats as io;
+#[cfg(feature = "domains")]
 #[doc(no_inline)]
 pub use ltbw_refine as refine;
+#[cfg(feature = "domains")]
 #[doc(inline)]
 pub use ltbw_refine::{Refined, Refiner};
 

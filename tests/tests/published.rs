@@ -1,6 +1,8 @@
 //! Crates that are published say of themselves what their page needs, and no two tell it otherwise.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a package of the workspace").into()
@@ -100,4 +102,17 @@ fn crates_can_be_published_one_after_the_other() {
         left.retain(|(_, needs)| needs.iter().any(|need| names.contains(need)));
         assert!(left.len() < count, "none of {names:?} can be the first");
     }
+}
+
+/// A user of points alone gets neither formats nor domains, nor what they need.
+#[test]
+fn points_alone_need_thirty_crates() {
+    let tree = ["tree", "-p", "ltbw", "--no-default-features", "-e", "normal"];
+    let form = ["--prefix", "none", "--no-dedupe", "--offline", "--locked"];
+    let mut cargo = Command::new(env!("CARGO"));
+    let output = cargo.current_dir(root()).args(tree).args(form).output().expect("cargo");
+    let text = String::from_utf8(output.stdout).expect("text");
+    let names: BTreeSet<&str> = text.lines().filter_map(|line| line.split(' ').next()).collect();
+    assert!(names.contains("ltbw-core") && !names.contains("ltbw-formats"), "{names:?}");
+    assert!(names.len() <= 30, "{}: {names:?}", names.len());
 }

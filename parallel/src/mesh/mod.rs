@@ -44,8 +44,12 @@ pub use blocks::Blocks;
 pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
-pub(crate) use probe::{Again, TETS_PER_VERTEX};
-pub(crate) use start::{Cut, Wanted};
+pub(crate) use probe::Again;
+#[cfg(feature = "domains")]
+pub(crate) use probe::TETS_PER_VERTEX;
+#[cfg(feature = "domains")]
+pub(crate) use start::Cut;
+pub(crate) use start::Wanted;
 pub use start::{Layout, Ownership, Prepared, Ready, SharedInput};
 #[cfg(feature = "wire")]
 pub(crate) use start::{Sample, Sampled, Stretch};

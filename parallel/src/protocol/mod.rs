@@ -65,6 +65,7 @@ pub(crate) use state::{Phase, Request, Waiter, Want};
 pub use submesh::{
     Costs, Found, Insert, Item, Neighbour, Part, Source, Submesh, SubmeshError, Walk,
 };
+#[cfg(feature = "domains")]
 pub(crate) use table::Table;
 pub use termination::Token;
 pub use worker::{Action, Event, Note, Worker};
