@@ -63,7 +63,14 @@ impl Run {
                 self.tell(reins);
             }
             let lost = || Failure::new(Class::Internal, "internal.panic", "lost");
-            worker.join().unwrap_or_else(|_| Err(lost()))
+            let result = worker.join().unwrap_or_else(|_| Err(lost()));
+            // A bar would stop short of its end.
+            if let (Ok(_), (_, Some(total)), Some(progress), false) =
+                (&result, reins.progress.figures(), self.progress, reins.cancel.is_cancelled())
+            {
+                progress(self.context, total, total);
+            }
+            result
         })
     }
 }

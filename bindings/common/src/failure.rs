@@ -6,7 +6,7 @@ use ltbw::io::IoError;
 use ltbw::points::PointError;
 use ltbw::refine::{BackgroundError, RefineError};
 use ltbw::threads::RunError;
-use ltbw::{BuildError, HashError, RemoveError};
+use ltbw::{BuildError, HashError, Point, RemoveError};
 use std::io::ErrorKind;
 use std::path::PathBuf;
 
@@ -30,7 +30,7 @@ pub enum Class {
 }
 
 /// Why there is no result.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
     /// Its class.
     pub class: Class,
@@ -42,12 +42,51 @@ pub struct Failure {
     pub ids: Vec<u32>,
     /// The operating system's number of an error, and the file.
     pub file: Option<(i32, PathBuf)>,
+    /// The defects of a domain, the first hundred of each kind.
+    pub defects: Vec<Defect>,
+}
+
+/// A defect of a domain.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Defect {
+    /// A short name of its kind, that stays the same between versions.
+    pub kind: &'static str,
+    /// The text for people.
+    pub text: String,
+    /// The vertices that it concerns, counted from 0.
+    pub vertices: Vec<u32>,
+    /// The facets that it concerns.
+    pub facets: Vec<u32>,
+    /// The edges that it concerns, by their ends.
+    pub edges: Vec<[u32; 2]>,
+    /// Its places.
+    pub places: Vec<Point>,
+}
+
+impl From<&DomainDefect> for Defect {
+    fn from(defect: &DomainDefect) -> Self {
+        let (kind, text) = (defect.kind.code(), defect.to_string());
+        let mut own = Self { kind, text, places: defect.at.clone(), ..Self::default() };
+        for element in &defect.elements {
+            match *element {
+                Element::Vertex(v) => own.vertices.push(v),
+                Element::Facet(f) => own.facets.push(f),
+                Element::Polygon { facet, .. } | Element::FacetHole { facet, .. } => {
+                    own.facets.push(facet);
+                }
+                Element::Edge(ends) => own.edges.push(ends),
+                _ => {}
+            }
+        }
+        own
+    }
 }
 
 impl Failure {
     /// A failure of no element in particular.
     pub fn new(class: Class, code: &'static str, message: impl ToString) -> Self {
-        Self { class, code, message: message.to_string(), ids: Vec::new(), file: None }
+        let (message, ids) = (message.to_string(), Vec::new());
+        Self { class, code, message, ids, file: None, defects: Vec::new() }
     }
 
     /// The operating system's reason, if it is one of a file.
@@ -189,7 +228,9 @@ impl From<PrepareError> for Failure {
         let first = |defect: &DomainDefect| defect.elements.iter().flat_map(numbers).collect();
         let ids: Vec<u32> =
             error.report().and_then(|r| r.defects.first()).map(first).unwrap_or_default();
-        Self::new(class, error.code(), &error).with(ids)
+        let defects = error.report().map(|r| r.defects.iter().map(Defect::from).collect());
+        let failure = Self::new(class, error.code(), &error).with(ids);
+        Self { defects: defects.unwrap_or_default(), ..failure }
     }
 }
 

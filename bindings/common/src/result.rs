@@ -210,18 +210,7 @@ impl Meshed {
     /// # Errors
     /// Formats that hold no mesh; files that cannot be written; work cancelled.
     pub fn save(&self, path: &Path, cancel: &CancelToken) -> Result<(), Failure> {
-        let mesh = self.plain();
-        let values = match self.refined() {
-            Some(_) => quality::arrays(&mesh.points, &mesh.tets),
-            None => Vec::new(),
-        };
-        let writer = io::MeshWriter::new(&mesh).values(&values).cancel(cancel);
-        // Other formats carry none.
-        let hash = match io::Format::from_path(path)? {
-            io::Format::Vtu | io::Format::Msh => Some(self.hash()?),
-            _ => None,
-        };
-        Ok(hash.as_deref().map_or(writer, |hash| writer.hash(hash)).write(path)?)
+        save(&self.plain(), path, cancel)
     }
 
     /// The certificate as JSON: of points `ltbw.cert/1`, made anew; of a domain the one that came
@@ -244,4 +233,26 @@ impl Meshed {
         let options = ltbw_verify::Options { depth, all_points, ..ltbw_verify::Options::default() };
         in_own_pool(|| certificate::json(&ltbw_verify::check(&mesh, &options)).map(Some))
     }
+}
+
+/// Writes a mesh, that of a domain, which has faces, with the quality of its tetrahedra; the
+/// extension tells the format. Cancelled, it leaves the file as it was.
+///
+/// # Errors
+/// Formats that hold no mesh; files that cannot be written; work cancelled.
+pub fn save(mesh: &TetMesh, path: &Path, cancel: &CancelToken) -> Result<(), Failure> {
+    let values = match mesh.faces.is_empty() {
+        false => quality::arrays(&mesh.points, &mesh.tets),
+        true => Vec::new(),
+    };
+    let writer = io::MeshWriter::new(mesh).values(&values).cancel(cancel);
+    // Other formats carry none.
+    let hash = match io::Format::from_path(path)? {
+        io::Format::Vtu | io::Format::Msh => {
+            let hash = in_own_pool(|| Ok::<_, Failure>(canonical_hash(&mesh.points, &mesh.tets)?));
+            Some(hash?.to_string())
+        }
+        _ => None,
+    };
+    Ok(hash.as_deref().map_or(writer, |hash| writer.hash(hash)).write(path)?)
 }

@@ -1,7 +1,8 @@
-//! Errors on their way to Python: classes of `ltbw._errors`.
+//! Errors on their way to Python: classes of `ltbw.errors`.
 
-use ltbw_bindings::Class;
+use ltbw_bindings::{Class, Defect};
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
 use std::io::ErrorKind;
 
 /// Why there is no result.
@@ -52,7 +53,7 @@ impl From<Failure> for PyErr {
         let reason = failure.reason();
         Python::attach(|py| {
             let made = py
-                .import("ltbw._errors")
+                .import("ltbw.errors")
                 .and_then(|module| module.getattr(name))
                 .and_then(|class| class.call1((failure.message, failure.code, failure.ids)))
                 .and_then(|error| {
@@ -61,9 +62,27 @@ impl From<Failure> for PyErr {
                         error.setattr("strerror", reason.to_string())?;
                         error.setattr("filename", path)?;
                     }
+                    if !failure.defects.is_empty() {
+                        error.setattr("defects", listed(py, &failure.defects)?)?;
+                    }
                     Ok(error)
                 });
             made.map_or_else(|error| error, PyErr::from_value)
         })
     }
+}
+
+/// Defects as a list of dicts.
+fn listed<'py>(py: Python<'py>, defects: &[Defect]) -> PyResult<Bound<'py, PyList>> {
+    let entries = defects.iter().map(|defect| {
+        let entry = PyDict::new(py);
+        entry.set_item("kind", defect.kind)?;
+        entry.set_item("text", &defect.text)?;
+        entry.set_item("vertices", &defect.vertices)?;
+        entry.set_item("facets", &defect.facets)?;
+        entry.set_item("edges", &defect.edges)?;
+        entry.set_item("places", &defect.places)?;
+        Ok(entry)
+    });
+    PyList::new(py, entries.collect::<PyResult<Vec<_>>>()?)
 }

@@ -98,15 +98,18 @@ impl Kernel {
         line(py, self.0.attributes())
     }
 
-    /// Boundary triangles of a domain, and the markers of their facets.
-    #[expect(clippy::type_complexity, reason = "two arrays")]
+    /// Boundary triangles of a domain, the markers of their facets, the tetrahedra they are faces of.
+    #[expect(clippy::type_complexity, reason = "three arrays")]
     fn boundary<'py>(
         &self,
         py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArray2<i32>>, Bound<'py, PyArray1<i64>>)> {
+    ) -> PyResult<(Bound<'py, PyArray2<i32>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i32>>)>
+    {
         let faces = self.made(py, Meshed::boundary)?;
         let markers = faces.iter().map(|f| f.marker).collect();
-        Ok((rows(py, faces.iter().map(|f| f.corners).collect())?, line(py, markers)))
+        let tets = faces.iter().map(|f| f.tet as i32).collect();
+        let corners = rows(py, faces.iter().map(|f| f.corners).collect())?;
+        Ok((corners, line(py, markers), line(py, tets)))
     }
 
     /// The region of each tetrahedron, from 1.

@@ -13,6 +13,7 @@ mod failure;
 mod kernel;
 mod points;
 mod size;
+mod stored;
 mod supervise;
 
 use pyo3::prelude::*;
@@ -27,5 +28,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(domain::tetrahedralize, module)?)?;
     module.add_function(wrap_pyfunction!(certificate::check, module)?)?;
     module.add_function(wrap_pyfunction!(certificate::check_domain, module)?)?;
+    module.add_function(wrap_pyfunction!(stored::save, module)?)?;
     module.add_function(wrap_pyfunction!(supervise::panics, module)?)
 }

@@ -25,6 +25,15 @@ pub(crate) fn look(py: Python<'_>, reins: &Reins, tell: Option<&Py<PyAny>>) -> P
     looked.inspect_err(|_| reins.cancel.cancel())
 }
 
+/// Tells that all is done, where it is known how much that is: a bar would stop short of its end.
+fn last(py: Python<'_>, reins: &Reins, tell: Option<&Py<PyAny>>) -> PyResult<()> {
+    let (Some(tell), Some(total)) = (tell, reins.progress.figures().1) else { return Ok(()) };
+    if !reins.cancel.is_cancelled() {
+        tell.call1(py, (total, total))?;
+    }
+    Ok(())
+}
+
 /// Carries out `work` on a thread of its own, with the interpreter free for others.
 ///
 /// An exception of `look` cancels the work. What looks at the token ends at once; a check, say,
@@ -57,7 +66,12 @@ pub(crate) fn supervised<T: Send + 'static>(
             (Ok(_) | Err(RecvTimeoutError::Disconnected), Some((error, _))) => {
                 return Err(error.into());
             }
-            (Ok(result), None) => return result,
+            (Ok(result), None) => {
+                if result.is_ok() {
+                    last(py, &reins, tell)?;
+                }
+                return result;
+            }
             (Err(RecvTimeoutError::Disconnected), None) => {
                 return Err(Failure::new(Class::Internal, "internal.panic", "a thread was lost"));
             }

@@ -241,6 +241,7 @@ def test_points_that_are_nearly_in_one_plane_are_told_of():
 def test_progress_is_told_and_may_end_the_work():
     told = []
     ltbw.delaunay(cloud(400_000), progress=lambda done, total: told.append((done, total)))
+    assert told[-1] == (400_000, 400_000)
     assert told and all(total in (None, 400_000) for _, total in told)
     mesh = ltbw.delaunay(cloud(400_000), progress=lambda done, total: done == 0)
     assert mesh.outcome == "cancelled" and mesh.check().passed

@@ -1,5 +1,13 @@
 """Exactly Delaunay tetrahedral meshes of points and of polyhedral domains.
 
+======================================  =====================================================
+``ltbw.delaunay(points)``               the Delaunay mesh of points
+``ltbw.tetrahedralize(surface, ...)``   the mesh of a domain: a file, arrays, pyvista, meshio
+``ltbw.check(points, tets, ...)``       anybody's mesh, checked exactly
+``mesh.points``, ``mesh.simplices``     its arrays; ``mesh.grid``, ``mesh.plot()``: pyvista's
+``ltbw.errors``                         the exceptions, each of them a name of ``ltbw``, too
+======================================  =====================================================
+
 The same input has the same mesh, whatever the number of threads: :attr:`Mesh.hash` tells.
 
 >>> import ltbw, numpy as np
@@ -11,8 +19,8 @@ The same input has the same mesh, whatever the number of threads: :attr:`Mesh.ha
 True
 """
 
-from . import _input, _markers, _native
-from ._errors import (
+from . import _input, _markers, _native, errors
+from .errors import (  # noqa: F401
     Cancelled,
     DomainError,
     Error,
@@ -24,31 +32,19 @@ from ._errors import (
     RecoveryError,
 )
 from ._mesh import Certificate, Mesh, check
+from ._synonyms import helpful
 
 __version__ = _native.__version__
 
-__all__ = [
-    "Cancelled",
-    "Certificate",
-    "DomainError",
-    "Error",
-    "FileError",
-    "InputError",
-    "InternalError",
-    "MachineError",
-    "Mesh",
-    "MissingFileError",
-    "RecoveryError",
-    "check",
-    "delaunay",
-    "tetrahedralize",
-]
+# Exceptions are in `errors`: what users call comes first in `help(ltbw)`.
+__all__ = ["Certificate", "Mesh", "check", "delaunay", "errors", "tetrahedralize"]
 
 
 def _threads(threads):
     return _input.whole(threads, "threads", "threads.count", 1, 4096)
 
 
+@helpful
 def delaunay(points, threads=1, *, without=(), progress=None):
     """The Delaunay mesh of points, exact for any input.
 
@@ -89,6 +85,7 @@ def delaunay(points, threads=1, *, without=(), progress=None):
     return Mesh(kernel, notes=notes)
 
 
+@helpful
 def tetrahedralize(
     surface,
     *,

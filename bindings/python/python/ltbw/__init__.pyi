@@ -10,6 +10,8 @@ __version__: str
 class Error(Exception):
     code: str
     ids: list[int]
+    defects: list[dict[str, Any]]
+    def to_pyvista(self) -> Any: ...
 
 class InputError(Error, ValueError): ...
 class DomainError(Error, ValueError): ...
@@ -49,6 +51,22 @@ class Mesh:
     hash: str
     quality: dict[str, Any] | None
     grid: Any
+    surface: Any
+    npoints: int
+    nsimplex: int
+    ndim: int
+    min_bound: NDArray[np.float64]
+    max_bound: NDArray[np.float64]
+    vertex_to_simplex: NDArray[np.int32]
+    vertex_neighbor_vertices: tuple[NDArray[np.int32], NDArray[np.int32]]
+    transform: NDArray[np.float64]
+    equations: NDArray[np.float64]
+    paraboloid_scale: float
+    paraboloid_shift: float
+    def lift_points(self, x: ArrayLike) -> NDArray[np.float64]: ...
+    def plane_distance(self, xi: ArrayLike) -> NDArray[np.float64]: ...
+    def add_points(self, points: ArrayLike, restart: bool = ...) -> None: ...
+    def plot(self, *, cut: bool = ..., scalars: str = ..., **options: Any) -> Any: ...
     @property
     def outcome(self) -> str: ...
     @property

@@ -7,7 +7,7 @@ import os
 import numpy as np
 
 from . import _markers, _native
-from ._errors import InputError
+from .errors import InputError
 
 
 def coordinates(points, what="points"):

@@ -7,7 +7,9 @@ import os
 import numpy as np
 
 from . import _input, _native
-from ._errors import InputError
+from .errors import InputError
+from ._scipy import ScipyNames
+from ._stored import Stored
 
 
 class Certificate:
@@ -106,9 +108,25 @@ def check(
     return Certificate(text)
 
 
-class Mesh:
+def _shapes(points, tets):
+    """The least dihedral angle, in degrees, and the volume of each tetrahedron, rounded."""
+    corners = points[tets]
+    faces = [(1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1)]
+    normals = [
+        np.cross(corners[:, b] - corners[:, a], corners[:, c] - corners[:, a]) for a, b, c in faces
+    ]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unit = [n / np.linalg.norm(n, axis=1)[:, None] for n in normals]
+    cosines = [-(unit[i] * unit[j]).sum(axis=1) for i in range(4) for j in range(i)]
+    largest = np.clip(np.max(cosines, axis=0), -1.0, 1.0) if len(tets) else np.zeros(0)
+    volumes = np.abs(((corners[:, 1] - corners[:, 0]) * normals[1]).sum(axis=1)) / 6.0
+    return np.degrees(np.arccos(largest)), volumes
+
+
+class Mesh(ScipyNames):
     """A tetrahedral mesh. Arrays are made when they are first asked for, and kept: they are
-    read-only, as they are for all who ask. ``mesh.points.copy()`` may be changed.
+    read-only, as they are for all who ask. ``mesh.points.copy()`` may be changed. Meshes go through
+    ``pickle`` and ``copy``; the rest of scipy's names is there, too.
 
     ============================  =====================  ==========================================
     here                          elsewhere              meaning
@@ -122,7 +140,7 @@ class Mesh:
     ``triface_markers``           tetgen                 their facets' markers, (b,)
     ``regions``                                          region of each tetrahedron, from 1, (m,)
     ``region_attributes``                                attribute of each region, (r,)
-    ``grid``                      pyvista                the mesh as pyvista.UnstructuredGrid
+    ``grid``, ``surface``         pyvista                the mesh, its boundary, with data of cells
     ============================  =====================  ==========================================
     """
 
@@ -132,6 +150,26 @@ class Mesh:
         self._names = dict(field_data or {})
         self.certificate = None if certificate is None else Certificate(certificate)
         self.notes = list(notes)
+
+    def __reduce__(self):
+        kept = Stored.of(self._kernel)
+        certificate = None if self.certificate is None else json.dumps(self.certificate.report)
+        return Mesh, (kept, certificate, self.notes, self._names)
+
+    def __deepcopy__(self, memo):
+        # All of it is read-only, or made anew.
+        return self.__copy__()
+
+    def __copy__(self):
+        certificate = None if self.certificate is None else json.dumps(self.certificate.report)
+        return Mesh(self._kernel, certificate, self.notes, self._names)
+
+    def _rebuild(self, points):
+        if len(self.triangles) or self.outcome != "complete":
+            raise InputError("add_points: of a mesh of points only", "add_points.domain")
+        kernel, notes = _native.delaunay(np.ascontiguousarray(points), [], 1, None)
+        self.__dict__.clear()
+        self.__init__(kernel, notes=notes)
 
     @property
     def outcome(self):
@@ -271,7 +309,8 @@ class Mesh:
 
     @functools.cached_property
     def grid(self):
-        """The mesh as a ``pyvista.UnstructuredGrid`` of its own arrays, with the array ``region``."""
+        """The mesh as a ``pyvista.UnstructuredGrid`` of its own arrays. Data of cells: ``region``,
+        ``dihedral`` (the least angle, degrees), ``volume``; of a domain ``excused`` (0 or 1), too."""
         import pyvista
 
         count = len(self.simplices)
@@ -279,7 +318,36 @@ class Mesh:
         kinds = np.full(count, pyvista.CellType.TETRA, np.uint8)
         grid = pyvista.UnstructuredGrid(cells, kinds, self.points.copy())
         grid.cell_data["region"] = self.regions.copy()
+        grid.cell_data["dihedral"], grid.cell_data["volume"] = _shapes(self.points, self.simplices)
+        if len(self.triangles):
+            excused = np.zeros(count, np.uint8)
+            excused[[number for number, _ in self.excuses]] = 1
+            grid.cell_data["excused"] = excused
         return grid
+
+    @functools.cached_property
+    def surface(self):
+        """The boundary as a ``pyvista.PolyData``: of a domain its triangles with the data ``marker``,
+        of points their convex hull."""
+        import pyvista
+
+        rows = self.triangles if len(self.triangles) else self.convex_hull
+        faces = np.column_stack([np.full(len(rows), 3, np.int64), rows]).ravel()
+        surface = pyvista.PolyData(self.points.copy(), faces)
+        if len(self.triangles):
+            surface.cell_data["marker"] = self.triface_markers.copy()
+        return surface
+
+    def plot(self, *, cut=True, scalars="dihedral", **options):
+        """Shows the mesh by pyvista: cut open at the middle of its box across (1, 1, 0), whole
+        tetrahedra, coloured by a name of the data of :attr:`grid`. ``options`` are those of
+        ``pyvista.DataSet.plot``."""
+        grid = self.grid
+        if cut:
+            middles = grid.cell_centers().points
+            side = (middles - np.asarray(grid.center)) @ (1.0, 1.0, 0.0)
+            grid = grid.extract_cells(np.flatnonzero(side <= 0.0))
+        return grid.plot(**{"scalars": scalars, "show_edges": True, **options})
 
     def __repr__(self):
         return f"<ltbw.Mesh of {len(self.simplices)} tetrahedra, {self.outcome}>"

@@ -6,13 +6,26 @@ class Error(Exception):
     """Base of all exceptions of ltbw.
 
     ``code`` is a short name that stays the same between versions; ``ids`` are the numbers of the
-    points, vertices or faces at fault, counted from 0.
+    points, vertices or faces at fault, counted from 0. ``defects`` are those of a surface: dicts with
+    ``kind``, ``text``, ``vertices``, ``facets``, ``edges`` (by their ends) and ``places``.
     """
 
     def __init__(self, message, code="", ids=()):
         super().__init__(message)
         self.code = code
         self.ids = list(ids)
+        self.defects = []
+
+    def to_pyvista(self):
+        """The places of the defects as a ``pyvista.PolyData`` of points, with the number of its
+        defect (``defect``) and its kind (``kind``) for each."""
+        import pyvista
+
+        rows = [(k, d["kind"], place) for k, d in enumerate(self.defects) for place in d["places"]]
+        places = pyvista.PolyData([place for _, _, place in rows] or None)
+        places.point_data["defect"] = [k for k, _, _ in rows]
+        places.point_data["kind"] = [kind for _, kind, _ in rows]
+        return places
 
 
 class InputError(Error, ValueError):
