@@ -133,13 +133,13 @@ def test_defects_have_kinds_and_places(cube):
     with pytest.raises(ltbw.DomainError) as caught:
         ltbw.tetrahedralize((corners, faces[1:]))
     defects = caught.value.defects
-    assert {d["kind"] for d in defects} == {"open"}, defects
+    assert {d["kind"] for d in defects} == {"domain.leak"}, defects
     ends = sorted(sorted(edge) for d in defects for edge in d["edges"])
     assert ends == [[0, 1], [0, 2], [1, 3], [2, 3]]
     assert all(len(place) == 3 for d in defects for place in d["places"])
     pyvista = pytest.importorskip("pyvista")
     places = caught.value.to_pyvista()
-    assert isinstance(places, pyvista.PolyData) and set(places.point_data["kind"]) == {"open"}
+    assert isinstance(places, pyvista.PolyData) and set(places.point_data["kind"]) == {"domain.leak"}
 
 
 def test_what_users_call_comes_first():
