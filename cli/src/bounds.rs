@@ -179,6 +179,7 @@ pub(crate) fn binding(
         .number("flat_tolerance", Some(flat_tolerance))
         .number("repair", preparation.repair)
         .number("simplify", preparation.simplify)
+        .with("fill", preparation.fill)
         .flag("exact_input", preparation.exact_input)
         .flag("local_frame", preparation.local_frame)
         .flag("own_frame", preparation.own_frame)

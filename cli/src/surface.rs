@@ -7,7 +7,7 @@ use crate::json::keep_input;
 use crate::outcome::{Failure, show};
 use crate::streams::Source;
 use ltbw::domain::{
-    Domain, DomainReport, Facet, Frame, Holes, PrepareError, PrepareOptions, Prepared,
+    Domain, DomainReport, Facet, Frame, Holes, LONGEST_LOOP, PrepareError, PrepareOptions, Prepared,
 };
 use ltbw::io::{self, DomainFile, WriteOptions};
 use ltbw::refine::{Given, RefineStats, largest_tolerance};
@@ -29,10 +29,16 @@ pub(crate) struct Preparation {
     pub(crate) points: Option<PathBuf>,
     /// Weld vertices within this distance; close seams as wide
     ///
-    /// Seams are rows of T-junctions. Open edges get the ends of other open edges near them. Holes
-    /// are not filled, and bodies are not united. At most 2^-10 of the domain's diagonal.
+    /// Seams are rows of T-junctions. Open edges get the ends of other open edges near them. Bodies
+    /// are not united. At most 2^-10 of the domain's diagonal.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) repair: Option<f64>,
+    /// Close holes of up to N edges by triangles
+    ///
+    /// The least area in sum. What is closed is told; whether it crosses the surface is checked.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=i64::from(LONGEST_LOOP)))]
+    #[arg(hide_short_help = true)]
+    pub(crate) fill: Option<u32>,
     /// Take neighbouring facets that are coplanar within this distance for one facet
     ///
     /// The edges inside such a facet need not be in the mesh; its vertices and its outline are. At
@@ -89,6 +95,10 @@ impl Preparation {
             let text = "--exact-input and --repair: what is repaired is not the exact input";
             return Err(Failure::Usage(text.to_owned()));
         }
+        if self.exact_input && self.fill.is_some() {
+            let text = "--exact-input and --fill: what is filled is not the exact input";
+            return Err(Failure::Usage(text.to_owned()));
+        }
         let simplify = self.simplify.unwrap_or(0.0);
         if !(0.0..f64::INFINITY).contains(&simplify) {
             return Err(Failure::Usage(format!("--simplify {simplify}: a tolerance is a length")));
@@ -125,6 +135,7 @@ impl Preparation {
             nested_voids: false,
             strict: self.strict,
             simplify: self.simplify.unwrap_or(0.0),
+            fill: self.fill.unwrap_or(0),
         };
         self.holes.iter().for_each(|holes| holes.apply(&mut file.domain, &mut options));
         options
@@ -343,6 +354,8 @@ pub(crate) fn repairs_json(ready: &Prepared) -> Value {
         "inner_facets": r.inner.len(),
         "spliced_vertices": r.spliced,
         "seam_vertices": r.seams,
+        "filled_holes": r.filled.len(),
+        "filling_facets": r.filling,
         "flap_facets": r.flaps.len(),
         "ending_facets": r.ends.len(),
         "exterior_facets": r.exterior.len(),

@@ -56,3 +56,46 @@ fn its_example_commands_are_understood() {
         assert_eq!(run.code, 0, "{command}: {}", run.stderr);
     }
 }
+
+/// The STL of the walk `docs/first-mesh.md`: a cylinder of 48 sides, ends as fans.
+fn cylinder() -> String {
+    let sides = 48;
+    let corner = |side: usize, z: f64| {
+        let angle = (side % sides) as f64 / sides as f64 * std::f64::consts::TAU;
+        [angle.cos() / 2.0, angle.sin() / 2.0, z]
+    };
+    let mut text = "solid\n".to_string();
+    for side in 0..sides {
+        let [a, b] = [corner(side, 0.0), corner(side + 1, 0.0)];
+        let [c, d] = [corner(side + 1, 1.0), corner(side, 1.0)];
+        let (low, high) = ([0.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        for triangle in [[a, b, c], [a, c, d], [low, b, a], [high, d, c]] {
+            text += "facet normal 0 0 0\nouter loop\n";
+            for [x, y, z] in triangle {
+                text += &format!("vertex {x:?} {y:?} {z:?}\n");
+            }
+            text += "endloop\nendfacet\n";
+        }
+    }
+    text + "endsolid\n"
+}
+
+/// The commands of the walk run, one after the other; the cylinder has the parts that it says.
+#[test]
+fn the_walk_s_commands_do_what_it_says() {
+    let walk = include_str!("../../docs/first-mesh.md");
+    let commands: Vec<&str> = walk.lines().filter(|line| line.starts_with("ltbw ")).collect();
+    assert!(commands.len() >= 4, "{commands:?}");
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("cylinder.stl"), cylinder()).unwrap();
+    for command in commands {
+        let args: Vec<&str> = command.split(' ').skip(1).collect();
+        let run = ltbw(dir.path(), &args);
+        assert_eq!(run.code, 0, "{command}: {}", run.stderr);
+    }
+    let mesh = std::fs::read_to_string(dir.path().join("cylinder.msh")).unwrap();
+    for name in ["part 1", "part 2", "part 3"] {
+        assert!(mesh.contains(&format!("\"{name}\"")), "no {name}");
+    }
+    assert!(!mesh.contains("\"part 4\""));
+}

@@ -6,17 +6,18 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The packages that build and test it.
-const PACKAGES: [&str; 6] = [
+const PACKAGES: [&str; 7] = [
     "maturin==1.16.0",
     "numpy==2.4.6",
     "pytest==9.2.0",
     "meshio==5.3.5",
     "pyvista==0.49.1",
     "scipy==1.17.1",
+    "scikit-fem==12.0.2",
 ];
 
 /// Tells whether they are there.
-const TEST: &str = "import maturin, numpy, pytest, meshio, pyvista, scipy";
+const TEST: &str = "import maturin, numpy, pytest, meshio, pyvista, scipy, skfem";
 
 /// Lints, builds, installs, tests.
 pub(crate) fn run() -> Result<(), String> {

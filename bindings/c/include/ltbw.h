@@ -270,6 +270,10 @@ typedef struct ltbw_wishes {
    diagonal; 0: none. A note bounds how far the surfaces are apart.
    */
   double simplify;
+  /*
+   Close holes of the surface of up to so many edges by triangles, at most 256; below 3: none.
+   */
+  uint32_t fill;
 } ltbw_wishes;
 
 #ifdef __cplusplus

@@ -111,6 +111,8 @@ pub struct Wishes {
     /// Collapse triangles of the surface within this distance before meshing, at most 5 % of the
     /// diagonal; 0: none. A note bounds how far the surfaces are apart.
     pub simplify: f64,
+    /// Close holes of the surface of up to so many edges by triangles, at most 256; below 3: none.
+    pub fill: u32,
 }
 
 /// The values at a pointer, which are not looked at. Null is refused, and so are more values than
@@ -272,6 +274,7 @@ impl Wishes {
                 regions: copied(regions, region)?,
                 repair: given.repair,
                 simplify: given.simplify,
+                fill: given.fill,
                 flat_tolerance: match given.flat_tolerance {
                     0.0 => None,
                     below if below < 0.0 => Some(0.0),

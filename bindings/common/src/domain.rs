@@ -82,6 +82,7 @@ impl Ready {
             nested_voids: false,
             strict: false,
             simplify: wishes.simplify,
+            fill: wishes.fill,
         };
         wishes.holes.apply(&mut file.domain, &mut options);
         let excused_share =

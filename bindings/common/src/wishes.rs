@@ -22,6 +22,8 @@ pub struct Wishes {
     pub repair: f64,
     /// The distance within which the surface is simplified, at most 5 % of the diagonal; 0: not.
     pub simplify: f64,
+    /// The most edges of a hole that is closed, at most 256; 0: none is.
+    pub fill: u32,
     /// Facets that are coplanar within this distance are taken for one; 0: exactly coplanar ones.
     /// `None`: for a surface what is usual, as the program does, otherwise 0.
     pub flat_tolerance: Option<f64>,

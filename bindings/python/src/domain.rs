@@ -59,6 +59,7 @@ pub(crate) struct Asked {
     regions: Vec<(Point, f64, Option<f64>)>,
     repair: f64,
     simplify: f64,
+    fill: u32,
     flat_tolerance: Option<f64>,
     exact_input: bool,
     own_frame: Option<bool>,
@@ -88,6 +89,7 @@ impl Asked {
             regions: self.regions.iter().map(region).collect(),
             repair: self.repair,
             simplify: self.simplify,
+            fill: self.fill,
             flat_tolerance: self.flat_tolerance,
             exact_input: self.exact_input,
             frame: match self.own_frame {

@@ -64,7 +64,7 @@ pub use needles::Needles;
 pub use plc::{Domain, Facet, Region};
 pub use points::Placed;
 pub use prepare::{Frame, PrepareError, PrepareOptions, Prepared};
-pub use repair::Repairs;
+pub use repair::{LONGEST_LOOP, Repairs};
 pub use simplify::{Simplified, largest_simplification};
 pub use skin::{Skin, SkinError};
 pub use thickness::Thickness;

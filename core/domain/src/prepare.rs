@@ -58,6 +58,9 @@ pub struct PrepareOptions {
     /// The distance within which the surface is simplified, at most 5 % of the diagonal; 0: it is
     /// left as it is. See [`crate::simplify`].
     pub simplify: f64,
+    /// The most edges of a hole that is closed by triangles, at most [`crate::LONGEST_LOOP`]; below 3:
+    /// none is.
+    pub fill: u32,
 }
 
 /// A domain that can be meshed.
@@ -250,6 +253,9 @@ impl Domain {
         surface.clean(&mut repairs);
         if options.repair > 0.0 {
             surface.close_seams(options.repair, &mut repairs);
+        }
+        if options.fill > 0 {
+            surface.fill(options.fill, &mut repairs);
         }
         surface.flatten();
         let PrepareOptions { oriented, nested_voids, .. } = *options;

@@ -5,12 +5,16 @@
 //! both; facets without area are dropped, and their vertices put into the edges on which they lie;
 //! facets that are there twice are kept once, and between two bodies become an inner facet. With a
 //! tolerance, vertices within it become one, and vertices of open edges are put into the open edges
-//! that they are near (the seam of a T-junction closes). No hole is filled and no body united.
+//! that they are near (the seam of a T-junction closes). Holes are filled where that is asked for, up to a
+//! number of edges (`repair/fill.rs`). No body is united.
 //!
 //! Cost: about n log n; at most `NEIGHBOURS` near vertices of a vertex are looked at, and seams
 //! are closed in at most `ROUNDS` rounds.
 
+mod fill;
 mod notes;
+
+pub use fill::LONGEST_LOOP;
 
 use crate::check::same_place;
 use crate::triangulate::sorted;
@@ -52,6 +56,10 @@ pub struct Repairs {
     pub inner: Vec<u32>,
     /// Vertices that were put into open edges near them, within the tolerance.
     pub seams: usize,
+    /// The edges of each hole that was closed.
+    pub filled: Vec<usize>,
+    /// The triangles that closed them.
+    pub filling: usize,
     /// Facets that were left out, both of each pair, because they were given from either side with
     /// nothing between.
     pub flaps: Vec<u32>,

@@ -97,6 +97,7 @@ def tetrahedralize(
     holes=None,
     max_points=None,
     repair=0.0,
+    fill=0,
     simplify=0.0,
     flat_tolerance=None,
     exact_input=False,
@@ -137,6 +138,8 @@ def tetrahedralize(
         The most points to insert; a mesh that needs more has the outcome ``"budget"``.
     repair : float
         Weld vertices within this distance and close seams as far apart.
+    fill : int
+        Close holes of up to so many edges by triangles, at most 256; 0: none. A note tells.
     simplify : float
         Collapse triangles within this distance before meshing, at most 5 % of the diagonal; 0: none.
         Vertices that are left are vertices of the surface; topology, markers and sharp edges stay.
@@ -197,6 +200,7 @@ def tetrahedralize(
         holes=_input.holes(holes),
         regions=_regions(regions),
         repair=_input.number(repair, "repair", "repair.type"),
+        fill=_input.whole(fill, "fill", "fill.count", 0, 256),
         simplify=_input.number(simplify, "simplify", "simplify.type"),
         exact_input=_input.truth(exact_input, "exact_input"),
         own_frame=_input.frame(frame),

@@ -98,6 +98,7 @@ def tetrahedralize(
     holes: Literal["none", "auto"] | ArrayLike | None = ...,
     max_points: int | None = ...,
     repair: float = ...,
+    fill: int = ...,
     simplify: float = ...,
     flat_tolerance: float | None = ...,
     exact_input: bool = ...,

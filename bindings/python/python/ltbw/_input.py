@@ -248,6 +248,7 @@ def wishes(**given):
         "holes": None,
         "regions": [],
         "repair": 0.0,
+        "fill": 0,
         "simplify": 0.0,
         "flat_tolerance": None,
         "exact_input": False,

@@ -45,6 +45,14 @@ impl Repairs {
             let vertices = count(self.seams, "vertex", "vertices");
             notes.push(format!("{vertices} put into open edges near them: seams closed"));
         }
+        if let Some(most) = self.filled.iter().max() {
+            let holes = match self.filled.len() {
+                1 => format!("1 hole of {most} edges"),
+                n => format!("{n} holes of up to {most} edges"),
+            };
+            let triangles = count(self.filling, "triangle", "triangles");
+            notes.push(format!("{holes} closed by {triangles}"));
+        }
         notes.extend(self.left_out());
         notes
     }
