@@ -49,6 +49,8 @@ pub struct Meshed {
     pub outcome: Outcome,
     /// The certificate of a domain's mesh (`ltbw.conformity/1`), if it was checked.
     pub certificate: Option<String>,
+    /// Names of markers of boundary triangles, and of regions.
+    pub names: Vec<io::GroupName>,
     /// Notes for people.
     pub notes: Vec<String>,
 }
@@ -62,7 +64,8 @@ impl std::fmt::Debug for Meshed {
 impl Meshed {
     pub(crate) fn new(body: Body, outcome: Outcome) -> Self {
         let (body, locator) = (Arc::new(body), OnceLock::new());
-        Self { body, locator, outcome, certificate: None, notes: Vec::new() }
+        let (names, notes) = (Vec::new(), Vec::new());
+        Self { body, locator, outcome, certificate: None, names, notes }
     }
 
     fn refined(&self) -> Option<&Refined> {
@@ -215,7 +218,7 @@ impl Meshed {
             Some(_) => quality::arrays(&mesh.points, &mesh.tets),
             None => Vec::new(),
         };
-        let writer = io::MeshWriter::new(&mesh).values(&values).cancel(cancel);
+        let writer = io::MeshWriter::new(&mesh).values(&values).names(&self.names).cancel(cancel);
         // Other formats carry none.
         let hash = match io::Format::from_path(path)? {
             io::Format::Vtu | io::Format::Msh => Some(self.hash()?),

@@ -60,6 +60,7 @@ pub(crate) struct Asked {
     repair: f64,
     simplify: f64,
     flat_tolerance: Option<f64>,
+    feature_angle: Option<f64>,
     exact_input: bool,
     own_frame: Option<bool>,
     check: bool,
@@ -89,6 +90,7 @@ impl Asked {
             repair: self.repair,
             simplify: self.simplify,
             flat_tolerance: self.flat_tolerance,
+            feature_angle: self.feature_angle,
             exact_input: self.exact_input,
             frame: match self.own_frame {
                 None => Frame::Auto,
