@@ -14,7 +14,7 @@ use crate::progress::{Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report};
 use crate::slices::{Sliced, read};
 use crate::streams::Source;
-use crate::task::{Judged, Task, wrote_parts};
+use crate::task::{ALONE, Judged, Task, wrote_parts};
 use ltbw::distributed::{self, Gathered, Part, Slice};
 use ltbw::io::{self, Arrays, PartOf, Piece};
 use ltbw::quality::Quality;
@@ -209,7 +209,7 @@ fn write_whole(
         ..TetMesh::default()
     };
     drop(tets);
-    task.write_whole(&mesh, Vec::new, report)?;
+    task.write_whole(&mesh, ALONE, report)?;
     if task.page.is_some() {
         judged.quality = Quality::of(&mesh.points, &mesh.tets);
         let workers: Vec<u32> = match lengths.len() {

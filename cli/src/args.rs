@@ -4,6 +4,7 @@ use crate::angles::degrees;
 use crate::kinds::{Kind, kinds};
 use crate::lenience::Lenience;
 use crate::numbers::whole;
+use crate::parts::Parting;
 use crate::progress::Show;
 use crate::simulate::Simulate;
 use crate::streams::Streams;
@@ -278,10 +279,12 @@ pub(crate) struct MeshArgs {
     /// Where to write the mesh: .vtu .vtk .msh .mesh .ele (with .node); may be given several times
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
-    /// Largest circumradius to shortest edge, at least 1 (sure to end from 2 on) [default: 2]
+    /// Largest circumradius to shortest edge, from 1 on [default: 2]
+    ///
+    /// From 2 on it is sure to end.
     #[arg(long, value_name = "B", allow_negative_numbers = true)]
     pub(crate) radius_edge: Option<f64>,
-    /// Splits tetrahedra with a smaller dihedral angle, in degrees, at most 12; 0 leaves them
+    /// Splits tetrahedra with smaller dihedral angles; up to 12
     #[arg(long, value_name = "D", default_value_t = 8.0, allow_negative_numbers = true)]
     pub(crate) min_dihedral: f64,
     /// Largest volume of a tetrahedron
@@ -326,6 +329,8 @@ pub(crate) struct MeshArgs {
     pub(crate) write_unrecovered: bool,
     #[command(flatten)]
     pub(crate) preparation: Preparation,
+    #[command(flatten)]
+    pub(crate) parting: Parting,
     #[command(flatten)]
     pub(crate) lenience: Lenience,
     /// Write a page: the mesh to turn and cut, histograms, report

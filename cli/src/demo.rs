@@ -7,6 +7,7 @@ use crate::console::{self, Stop};
 use crate::json::{distinct, is_stdout};
 use crate::mesh::{Job, mesh_domain};
 use crate::outcome::{Exit, Failure, show};
+use crate::parts::Boundary;
 use crate::streams::Formats;
 use crate::task::{Outputs, Task};
 use ltbw::domain::PrepareOptions;
@@ -68,6 +69,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         crew: None,
         max_points: None,
         flat_tolerance: 0.0,
+        boundary: Boundary::default(),
         keep_exterior: false,
         write_unrecovered: false,
         histogram: None,

@@ -73,6 +73,7 @@ mod orient;
 mod others;
 mod outcome;
 mod page;
+mod parts;
 mod picture;
 mod pieces;
 mod plc;

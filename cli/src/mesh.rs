@@ -11,13 +11,14 @@ use crate::needles;
 use crate::others::Others;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::Scene;
+use crate::parts::{Boundary, Told};
 use crate::pieces::parts_of;
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report, Seconds, quality_json, quality_line};
 use crate::rounds;
 use crate::streams::Source;
 use crate::surface::{given_json, print_patches, repairs_json, simplified_json};
-use crate::task::{Files, Judged, Task};
+use crate::task::{Beside, Files, Judged, Task};
 use crate::unrecovered;
 use crate::workers::{Crew, Made, Setting, print_workers, refine};
 use ltbw::domain::Prepared;
@@ -46,6 +47,8 @@ pub(crate) struct Job<'a> {
     pub(crate) max_points: Option<u64>,
     /// The distance within which facets are taken for coplanar.
     pub(crate) flat_tolerance: f64,
+    /// The parts of the boundary.
+    pub(crate) boundary: Boundary,
     /// With the exterior.
     pub(crate) keep_exterior: bool,
     /// Write the Delaunay mesh, exterior included, even if the boundary is not in it.
@@ -62,13 +65,17 @@ pub(crate) struct Start {
     pub(crate) ready: Prepared,
     pub(crate) flat_tolerance: f64,
     pub(crate) field: Option<Field>,
+    pub(crate) boundary: Boundary,
 }
 
 impl Start {
     fn of(args: &MeshArgs, source: &Source) -> Result<Self, Failure> {
-        let (ready, flat_tolerance) = args.preparation.prepare(source)?;
+        let mut file = args.preparation.read(source)?;
+        let told = Told::of(&mut file);
+        let (ready, flat_tolerance) = args.preparation.prepare_file(file, source)?;
+        let boundary = args.parting.boundary(&ready, flat_tolerance, told, source);
         let field = field(args, &ready, source.reads(), None)?;
-        Ok(Self { ready, flat_tolerance, field })
+        Ok(Self { ready, flat_tolerance, field, boundary })
     }
 }
 
@@ -108,7 +115,7 @@ pub(crate) fn mesh_from(
     let stop = Stop::on_signal()?;
     let stage = Stage::begin("prepare");
     let start_with = |refine: &Refine| refine.start(&source);
-    let Start { ready, flat_tolerance, field } =
+    let Start { ready, flat_tolerance, field, boundary } =
         going_on.map_or_else(|| Start::of(args, &source), start_with)?;
     drop(stage);
     if going_on.is_none() && args.preparation.simplify.is_none() && console::is_heard() {
@@ -132,6 +139,7 @@ pub(crate) fn mesh_from(
         crew,
         max_points: args.max_points,
         flat_tolerance,
+        boundary,
         keep_exterior: args.keep_exterior,
         write_unrecovered: args.write_unrecovered,
         histogram: args.histogram.as_deref(),
@@ -155,6 +163,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         return Ok(Exit::Done);
     };
     seconds.refine = clock.elapsed().as_secs_f64();
+    let refined = job.boundary.mark(refined);
     let clock = Instant::now();
     let stage = Stage::begin("hash");
     let unrecovered = refined.outcome == RefineOutcome::Unrecovered;
@@ -172,7 +181,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         .map_err(|e| Failure::Other(e.to_string()))?
         .to_string();
     seconds.hash = clock.elapsed().as_secs_f64();
-    let mut report = report_of(task, &refined, ready);
+    let mut report = report_of(job, &refined, ready);
     report.mesh.hash = Some(hash);
     report.seconds = seconds;
     let mut judged = Judged::unseen(Quality::of(&inside.points, &inside.tets));
@@ -200,7 +209,8 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         let owners = made.owners.of(&refined, job.keep_exterior);
         parts_of(mesh, &owners, parts_by(job.crew))
     };
-    task.write(mesh, || quality::arrays(&mesh.points, &mesh.tets), parts, &mut report)?;
+    let values = || quality::arrays(&mesh.points, &mesh.tets);
+    task.write(mesh, Beside { values, names: &job.boundary.names }, parts, &mut report)?;
     rounds::write_trace(job.trace, &refined.rounds)?;
     if task.page.is_some() {
         let workers = job.crew.map(|_| made.owners.of(&refined, false)).unwrap_or_default();
@@ -365,7 +375,7 @@ fn print_mesh(refined: &Refined, inside: &TetMesh, quality: Option<&Quality>) {
     quality.into_iter().for_each(|quality| console::people(&quality_line(quality)));
 }
 
-fn report_of(task: &Task<'_>, refined: &Refined, ready: &Prepared) -> Report {
+fn report_of(job: &Job<'_>, refined: &Refined, ready: &Prepared) -> Report {
     let points = ready.vertex_map.len();
     let distinct = ready.domain.vertices.len();
     let left_out = ready.vertex_map.iter().filter(|&&v| v == LEFT_OUT).count();
@@ -378,7 +388,7 @@ fn report_of(task: &Task<'_>, refined: &Refined, ready: &Prepared) -> Report {
         RefineOutcome::Cancelled => "cancelled",
     };
     let input = Input { points, distinct, duplicates, duplicate_of: Vec::new() };
-    let mut report = task.report(input, outcome);
+    let mut report = job.task.report(input, outcome);
     report.mesh = MeshPart {
         vertices: refined.mesh().num_vertices(),
         tets: refined.num_tets(),
@@ -386,11 +396,11 @@ fn report_of(task: &Task<'_>, refined: &Refined, ready: &Prepared) -> Report {
         hash: None,
     };
     report.predicates = Predicates::from(&refined.mesh().predicate_stats());
-    report.refinement = Some(refinement_json(refined, ready));
+    report.refinement = Some(refinement_json(job, refined, ready));
     report
 }
 
-fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
+fn refinement_json(job: &Job<'_>, refined: &Refined, ready: &Prepared) -> Value {
     let stats = &refined.stats;
     let excuse = |e: &ltbw::refine::Excuse| {
         json!({
@@ -429,6 +439,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
         "repairs": repairs_json(ready),
         "simplified": simplified_json(ready),
         "given_points": given_json(ready),
+        "parts": job.boundary.json(),
         "flat_tolerance": stats.flat_tolerance,
         "patches_folded": stats.patches_folded,
         "patches_given_up": stats.patches_given_up,

@@ -7,6 +7,7 @@ use crate::console;
 use crate::mesh::{Start, mesh_from};
 use crate::others::Others;
 use crate::outcome::{Exit, Failure, show};
+use crate::parts::Told;
 use crate::progress::Stage;
 use crate::streams::{Formats, Source};
 use crate::surface::given;
@@ -67,7 +68,9 @@ impl Refine {
         };
         let field = field(&self.mesh, &ready, source.reads(), Some(&file.mesh))?;
         let field = self.marked(&file.mesh, ready.lattice.offset(), source, field)?;
-        Ok(Start { ready, flat_tolerance: flat, field })
+        let told = Told::named(file.names);
+        let boundary = self.mesh.parting.boundary(&ready, flat, told, source);
+        Ok(Start { ready, flat_tolerance: flat, field, boundary })
     }
 
     /// The sizing field with what the marked tetrahedra ask for.

@@ -17,7 +17,7 @@ use crate::points::{
 };
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report};
-use crate::task::{Files, Judged, Task};
+use crate::task::{ALONE, Files, Judged, Task};
 use crate::without::{Given, Without};
 use ltbw::balance::Balance;
 use ltbw::domain::Thickness;
@@ -179,7 +179,7 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
     let points = set.points().to_vec();
     let mesh = TetMesh { points, tets, point_tags, ..TetMesh::default() };
     let part = |tets: &Vec<[u32; 4]>| part_of(&mesh, tets.clone(), Vec::new());
-    task.write(&mesh, Vec::new, || parts.iter().map(part).collect(), &mut report)?;
+    task.write(&mesh, ALONE, || parts.iter().map(part).collect(), &mut report)?;
     if task.page.is_some() {
         judged.quality = Quality::of(&mesh.points, &mesh.tets);
         let workers = owners(&mesh, &parts);

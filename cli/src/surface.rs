@@ -39,13 +39,12 @@ pub(crate) struct Preparation {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=i64::from(LONGEST_LOOP)))]
     #[arg(hide_short_help = true)]
     pub(crate) fill: Option<u32>,
-    /// Take neighbouring facets that are coplanar within this distance for one facet
+    /// Take neighbouring facets that are so nearly coplanar for one
     ///
-    /// The edges inside such a facet need not be in the mesh; its vertices and its outline are. At
-    /// most 2^-10 of the domain's diagonal; 0: facets are what they are. Default: 0 for .poly and
-    /// .smesh, and with --exact-input; for surfaces of triangles (.stl .obj .ply .off) 2^-22 of the
-    /// diagonal, or what their numbers tell if that is more: two single-precision steps of the
-    /// largest coordinate, or two units of the last decimal.
+    /// The edges inside need not be in the mesh; vertices and outline are. At most 2^-10 of the
+    /// domain's diagonal; 0: facets are what they are. Default: 0 for .poly, .smesh, --exact-input;
+    /// for surfaces 2^-22 of the diagonal, or what their numbers tell if that is more: two
+    /// single-precision steps of the largest coordinate, or two units of the last decimal.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) flat_tolerance: Option<f64>,
     /// Collapse triangles within this distance, before meshing
@@ -65,7 +64,7 @@ pub(crate) struct Preparation {
     #[arg(long, conflicts_with = "local_frame")]
     #[arg(hide_short_help = true)]
     pub(crate) own_frame: bool,
-    /// Say what is void: `none`, `auto` (bodies inside others), or points in voids
+    /// Voids: `none`, `auto` (bodies inside others), or points in them
     ///
     /// Without it the file says it: by its hole points; or in a surface by its orientation, so that
     /// a body inside another is a void if its facets point the other way, and else a region of its
@@ -73,12 +72,10 @@ pub(crate) struct Preparation {
     #[arg(long, value_name = "none|auto|X,Y,Z;...", allow_hyphen_values = true)]
     #[arg(hide_short_help = true)]
     pub(crate) holes: Option<Holes>,
-    /// Refuse input that would be repaired, of which something would be left out or guessed
-    /// (exit code 3); `mesh` lets nothing be excused (exit code 1)
+    /// Refuse input that would be repaired, left out or guessed; let nothing be excused
     #[arg(long)]
     pub(crate) strict: bool,
-    /// Write the facets that keep the domain from being meshed: .ply .poly (with the kind as their
-    /// marker) .off .obj .stl
+    /// Write facets with defects: .ply .poly (kind: marker) .off .obj .stl
     #[arg(long, value_name = "FILE")]
     #[arg(hide_short_help = true)]
     pub(crate) write_defects: Option<PathBuf>,

@@ -14,7 +14,7 @@ use crate::report::{
 };
 use crate::streams::{Formats, Streams, attributes_note, name_of, on_stdout};
 use ltbw::TetMesh;
-use ltbw::io::{self, MeshWriter, Piece};
+use ltbw::io::{self, GroupName, MeshWriter, Piece};
 use ltbw::quality::{Array, Quality};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -140,11 +140,11 @@ impl Task<'_> {
         Exit::OwnDefect
     }
 
-    /// Writes the mesh, with figures of the tetrahedra, and its parts.
-    pub(crate) fn write(
+    /// Writes the mesh, with what is beside it, and its parts.
+    pub(crate) fn write<V: FnOnce() -> Vec<Array>>(
         &self,
         mesh: &TetMesh,
-        values: impl FnOnce() -> Vec<Array>,
+        beside: Beside<'_, V>,
         parts: impl FnOnce() -> Vec<Piece>,
         report: &mut Report,
     ) -> Result<(), Failure> {
@@ -152,7 +152,7 @@ impl Task<'_> {
         let Outputs { in_parts, whole, .. } = self.outputs;
         let is_written = !(whole.is_empty() && in_parts.is_empty());
         let _stage = is_written.then(|| Stage::begin("write"));
-        self.write_whole(mesh, values, report)?;
+        self.write_whole(mesh, beside, report)?;
         if !in_parts.is_empty() {
             let parts = parts();
             for path in in_parts {
@@ -165,10 +165,10 @@ impl Task<'_> {
     }
 
     /// Writes the files that hold the whole mesh.
-    pub(crate) fn write_whole(
+    pub(crate) fn write_whole<V: FnOnce() -> Vec<Array>>(
         &self,
         mesh: &TetMesh,
-        values: impl FnOnce() -> Vec<Array>,
+        Beside { values, names }: Beside<'_, V>,
         report: &mut Report,
     ) -> Result<(), Failure> {
         let Outputs { whole, formats, .. } = self.outputs;
@@ -178,7 +178,7 @@ impl Task<'_> {
         let values = values();
         let hash = report.mesh.hash.clone();
         for path in whole {
-            let writer = MeshWriter::new(mesh).values(&values);
+            let writer = MeshWriter::new(mesh).values(&values).names(names);
             let writer = hash.as_deref().map_or(writer, |hash| writer.hash(hash));
             formats.write_mesh(path, writer)?;
             let note = attributes_note(mesh, formats.of_output(path)?);
@@ -209,6 +209,16 @@ impl Task<'_> {
         write_text(path, &page.html(&report.to_json().unwrap_or_default()))
     }
 }
+
+/// The things that go with a mesh: figures of its tetrahedra, and names of its groups.
+pub(crate) struct Beside<'a, V> {
+    pub(crate) values: V,
+    pub(crate) names: &'a [GroupName],
+}
+
+/// The mesh of points has neither.
+pub(crate) const ALONE: Beside<'static, fn() -> Vec<Array>> =
+    Beside { values: Vec::new, names: &[] };
 
 /// Tells of a file that was written.
 fn wrote(path: &Path, report: &mut Report) {

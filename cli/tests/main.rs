@@ -14,6 +14,7 @@ mod one_default;
 mod options;
 mod page;
 mod parallel;
+mod parts;
 mod readback;
 mod readme;
 mod refine;

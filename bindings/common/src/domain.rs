@@ -6,8 +6,8 @@ use crate::certificate::{self, Excused, Order};
 use crate::failure::{Class, Failure};
 use crate::result::{Meshed, Outcome};
 use crate::wishes::Wishes;
-use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
-use ltbw::io::{self, DomainFile};
+use ltbw::domain::{Domain, Facet, LARGEST_FEATURE_ANGLE, Parts, PrepareOptions, Prepared};
+use ltbw::io::{self, DomainFile, GroupName};
 use ltbw::refine::{Background, ExcusedShare, Given, RefineOutcome, Refined, Refiner};
 use ltbw::{CancelToken, Observer, Point, TetMesh};
 use std::path::PathBuf;
@@ -53,7 +53,7 @@ impl Source {
             facets.push(Facet::polygon(&polygon, markers.get(f).copied().unwrap_or(0)));
         }
         let domain = Domain { vertices, facets, ..Domain::default() };
-        Ok(DomainFile { domain, oriented: true, notes: Vec::new() })
+        Ok(DomainFile { domain, oriented: true, ..DomainFile::default() })
     }
 }
 
@@ -63,6 +63,9 @@ pub struct Ready {
     prepared: Prepared,
     flat_tolerance: f64,
     excused_share: f64,
+    /// The smooth parts of a surface without markers.
+    parts: Option<Parts>,
+    names: Vec<GroupName>,
     notes: Vec<String>,
 }
 
@@ -90,6 +93,13 @@ impl Ready {
         let prepared = file.domain.prepare(&options)?;
         let usual = || file.flat_tolerance(&prepared, &options);
         let flat_tolerance = wishes.flat_tolerance.unwrap_or_else(usual);
+        let parts = file.smooth_parts(&prepared, feature_angle(wishes)?, flat_tolerance);
+        let mut names = file.names;
+        names.extend(parts.iter().flat_map(|parts| &parts.list).map(|part| GroupName {
+            dimension: 2,
+            group: i64::from(part.marker),
+            name: format!("part {}", part.marker),
+        }));
         let mut notes = file.notes;
         notes.extend(prepared.notes());
         notes.extend(prepared.simplified.iter().map(|told| format!("simplified: {}", told.note())));
@@ -97,7 +107,7 @@ impl Ready {
         if offset != [0.0; 3] {
             notes.push(format!("coordinates are relative to {offset:?}"));
         }
-        Ok(Self { prepared, flat_tolerance, excused_share, notes })
+        Ok(Self { prepared, flat_tolerance, excused_share, parts, names, notes })
     }
 
     /// The place that its coordinates are relative to.
@@ -187,15 +197,29 @@ impl Ready {
             share: refined.excused_share(),
             limit: self.excused_share,
         };
+        let refined = match self.parts {
+            Some(parts) => refined.with_markers(parts.markers),
+            None => refined,
+        };
         let mut meshed = Meshed::new(Body::Domain(Box::new(refined)), outcome);
         if !wishes.unchecked && outcome != Outcome::Cancelled {
             let plain = meshed.plain();
             let own = certificate::own(&self.prepared, &plain, wishes, flat_tolerance, &excused);
             meshed.certificate = Some(own?);
         }
-        meshed.notes = self.notes;
+        (meshed.names, meshed.notes) = (self.names, self.notes);
         Ok(meshed)
     }
+}
+
+/// The feature angle that is asked for.
+fn feature_angle(wishes: &Wishes) -> Result<Option<f64>, Failure> {
+    let angle = wishes.feature_angle;
+    if angle.is_none_or(|angle| (0.0..=LARGEST_FEATURE_ANGLE).contains(&angle)) {
+        return Ok(angle);
+    }
+    let text = format!("feature_angle: 0 to {LARGEST_FEATURE_ANGLE} degrees, not {angle:?}");
+    Err(Failure::new(Class::Input, "feature_angle.value", text))
 }
 
 /// Why some of the boundary is not in the mesh.

@@ -49,6 +49,8 @@ pub struct Meshed {
     pub outcome: Outcome,
     /// The certificate of a domain's mesh (`ltbw.conformity/1`), if it was checked.
     pub certificate: Option<String>,
+    /// Names of markers of boundary triangles, and of regions.
+    pub names: Vec<io::GroupName>,
     /// Notes for people.
     pub notes: Vec<String>,
 }
@@ -62,7 +64,8 @@ impl std::fmt::Debug for Meshed {
 impl Meshed {
     pub(crate) fn new(body: Body, outcome: Outcome) -> Self {
         let (body, locator) = (Arc::new(body), OnceLock::new());
-        Self { body, locator, outcome, certificate: None, notes: Vec::new() }
+        let (names, notes) = (Vec::new(), Vec::new());
+        Self { body, locator, outcome, certificate: None, names, notes }
     }
 
     fn refined(&self) -> Option<&Refined> {
@@ -210,7 +213,7 @@ impl Meshed {
     /// # Errors
     /// Formats that hold no mesh; files that cannot be written; work cancelled.
     pub fn save(&self, path: &Path, cancel: &CancelToken) -> Result<(), Failure> {
-        save(&self.plain(), path, cancel)
+        save(&self.plain(), &self.names, path, cancel)
     }
 
     /// The certificate as JSON: of points `ltbw.cert/1`, made anew; of a domain the one that came
@@ -235,17 +238,22 @@ impl Meshed {
     }
 }
 
-/// Writes a mesh, that of a domain, which has faces, with the quality of its tetrahedra; the
-/// extension tells the format. Cancelled, it leaves the file as it was.
+/// Writes a mesh with names of its groups; that of a domain, which has faces, with the quality of its
+/// tetrahedra. The extension tells the format. Cancelled, it leaves the file as it was.
 ///
 /// # Errors
 /// Formats that hold no mesh; files that cannot be written; work cancelled.
-pub fn save(mesh: &TetMesh, path: &Path, cancel: &CancelToken) -> Result<(), Failure> {
+pub fn save(
+    mesh: &TetMesh,
+    names: &[io::GroupName],
+    path: &Path,
+    cancel: &CancelToken,
+) -> Result<(), Failure> {
     let values = match mesh.faces.is_empty() {
         false => quality::arrays(&mesh.points, &mesh.tets),
         true => Vec::new(),
     };
-    let writer = io::MeshWriter::new(mesh).values(&values).cancel(cancel);
+    let writer = io::MeshWriter::new(mesh).values(&values).names(names).cancel(cancel);
     // Other formats carry none.
     let hash = match io::Format::from_path(path)? {
         io::Format::Vtu | io::Format::Msh => {

@@ -27,6 +27,10 @@ pub struct Wishes {
     /// Facets that are coplanar within this distance are taken for one; 0: exactly coplanar ones.
     /// `None`: for a surface what is usual, as the program does, otherwise 0.
     pub flat_tolerance: Option<f64>,
+    /// The feature angle, in degrees, at most 90: a surface without markers has a part, with a
+    /// marker, where triangles meet at less. 0: none; `None`: for a surface what is usual, as the
+    /// program does, otherwise 0.
+    pub feature_angle: Option<f64>,
     /// The coordinates of the mesh.
     pub frame: Frame,
     /// Refuse a domain that is not on its lattice.

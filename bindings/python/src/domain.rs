@@ -61,6 +61,7 @@ pub(crate) struct Asked {
     simplify: f64,
     fill: u32,
     flat_tolerance: Option<f64>,
+    feature_angle: Option<f64>,
     exact_input: bool,
     own_frame: Option<bool>,
     check: bool,
@@ -91,6 +92,7 @@ impl Asked {
             simplify: self.simplify,
             fill: self.fill,
             flat_tolerance: self.flat_tolerance,
+            feature_angle: self.feature_angle,
             exact_input: self.exact_input,
             frame: match self.own_frame {
                 None => Frame::Auto,

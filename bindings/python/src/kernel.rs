@@ -63,6 +63,12 @@ impl Kernel {
         self.0.outcome.name()
     }
 
+    /// Names of boundary triangles' markers, and of regions: (dimension, number, name).
+    #[getter]
+    fn names(&self) -> Vec<(u8, i64, String)> {
+        self.0.names.iter().map(|n| (n.dimension, n.group, n.name.clone())).collect()
+    }
+
     /// Coordinates of the vertices, of shape (n, 3).
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let points = self.made(py, Meshed::points)?;

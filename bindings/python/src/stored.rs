@@ -3,6 +3,7 @@
 use crate::arrays::{Coordinates, points};
 use crate::failure::Failure;
 use crate::supervise::supervised;
+use ltbw::io::GroupName;
 use ltbw::{BoundaryFace, TetMesh};
 use ltbw_bindings::{Class, Reins};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
@@ -22,6 +23,8 @@ pub(crate) struct Arrays<'py> {
     regions: PyReadonlyArray1<'py, i32>,
     #[pyo3(item)]
     attributes: PyReadonlyArray1<'py, f64>,
+    #[pyo3(item)]
+    names: Vec<(u8, i64, String)>,
 }
 
 /// Triangles, markers, tetrahedra.
@@ -95,6 +98,8 @@ impl Arrays<'_> {
 #[pyfunction]
 pub(crate) fn save(py: Python<'_>, path: PathBuf, parts: Arrays<'_>) -> PyResult<()> {
     let mesh = parts.mesh()?;
-    let save = move |reins: &Reins| Ok(ltbw_bindings::save(&mesh, &path, &reins.cancel)?);
+    let name = |(dimension, group, name)| GroupName { dimension, group, name };
+    let names: Vec<GroupName> = parts.names.into_iter().map(name).collect();
+    let save = move |reins: &Reins| Ok(ltbw_bindings::save(&mesh, &names, &path, &reins.cancel)?);
     Ok(supervised(py, None, save)?)
 }

@@ -1,7 +1,7 @@
 //! A domain as it is given, and the tolerance within which facets are taken for coplanar there.
 
 use crate::prepare::LARGEST_TOLERANCE;
-use crate::{Domain, PrepareOptions, Prepared};
+use crate::{Domain, FEATURE_ANGLE, Parts, PrepareOptions, Prepared};
 use ltbw_exact::Point;
 use std::fmt::Write;
 
@@ -22,6 +22,21 @@ pub trait Given {
             true => usual_tolerance(self.domain(), &ready.domain),
             false => 0.0,
         }
+    }
+
+    /// The smooth parts of a domain whose facets have no markers, for a feature angle in degrees:
+    /// `None` for what is usual, [`FEATURE_ANGLE`] of a surface, and 0, which parts nothing, of
+    /// another domain.
+    fn smooth_parts(
+        &self,
+        ready: &Prepared,
+        degrees: Option<f64>,
+        flat_tolerance: f64,
+    ) -> Option<Parts> {
+        let usual = if self.is_surface() { FEATURE_ANGLE } else { 0.0 };
+        let degrees = degrees.unwrap_or(usual);
+        let is_plain = ready.domain.facets.iter().all(|facet| facet.marker == 0);
+        (degrees > 0.0 && is_plain).then(|| Parts::smooth(ready, degrees, flat_tolerance))
     }
 }
 

@@ -12,6 +12,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `needles` | triangles with small angles: [`Needles`] |
+//! | [`parts`] | facets that go on smoothly into each other: [`Parts`] |
 //! | [`plc`] | [`Domain`], [`Facet`], [`Region`], and the check of their structure |
 //! | [`lattice`] | [`Lattice`]: the grid on which input vertices live, and snapping to it |
 //! | [`check`] | the exact check: [`DomainReport`], cells, volumes |
@@ -38,6 +39,7 @@ mod given;
 pub mod holes;
 pub mod lattice;
 mod needles;
+pub mod parts;
 pub mod plc;
 pub mod points;
 pub mod prepare;
@@ -61,6 +63,7 @@ pub use given::{Given, largest_tolerance, usual_tolerance};
 pub use holes::Holes;
 pub use lattice::{Lattice, Move, Snapped};
 pub use needles::Needles;
+pub use parts::{FEATURE_ANGLE, LARGEST_FEATURE_ANGLE, Part, Parts};
 pub use plc::{Domain, Facet, Region};
 pub use points::Placed;
 pub use prepare::{Frame, PrepareError, PrepareOptions, Prepared};

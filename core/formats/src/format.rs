@@ -142,7 +142,7 @@ impl Format {
 
     /// Whether names of regions and of markers survive in this format.
     pub fn holds_names(self) -> bool {
-        self == Format::Msh
+        matches!(self, Format::Msh | Format::Vtu)
     }
 
     /// Whether attributes of regions survive in this format.

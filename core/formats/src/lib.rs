@@ -43,6 +43,7 @@ mod domain;
 mod error;
 mod faces;
 mod format;
+mod groups;
 pub mod medit;
 pub mod msh;
 pub mod npy;
@@ -106,13 +107,13 @@ pub struct PointFile {
 pub struct MeshFile {
     /// The mesh; its boundary faces are the triangles of the file that are faces of tetrahedra.
     pub mesh: TetMesh,
-    /// Names of regions and of markers of boundary triangles (`.msh`).
+    /// Names of regions and of markers of boundary triangles (`.msh`, `.vtu`).
     pub names: Vec<GroupName>,
     /// The parts of the file that were not read, in words for people.
     pub notes: Vec<String>,
 }
 
-/// The name of a group of tetrahedra or of boundary triangles.
+/// The name of a group of tetrahedra or of boundary triangles, or of facets.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GroupName {
     /// 3 for tetrahedra, 2 for triangles.
@@ -130,6 +131,9 @@ pub struct DomainFile {
     pub domain: Domain,
     /// The facets are a surface whose orientation says what is inside: formats without hole points.
     pub oriented: bool,
+    /// Names of markers of facets, and of the volume, where the file has some: solids of `.stl`,
+    /// groups and materials of `.obj`, colours of `.off` and `.ply`.
+    pub names: Vec<GroupName>,
     /// The parts of the file that were not read, in words for people.
     pub notes: Vec<String>,
 }

@@ -2,11 +2,12 @@
 //!
 //! Read: the coordinates of every statement `v`; for a domain also every statement `f`, a face of
 //! any number of corners `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 1, or from the last
-//! vertex if negative. Weights and colours of vertices, and all other statements, are not read; a
-//! note says so. A line that ends in a backslash goes on in the next.
+//! vertex if negative. Several groups (`g`, `o`) or materials (`usemtl`) with faces are groups of
+//! these. Weights and colours of vertices, and all other statements, are not read; a note says so. A line that ends in a backslash goes on in the next.
 //! Source: Wavefront, "Advanced Visualizer Manual", appendix B1.
 
 use super::error::{ParseError, Reason, excerpt};
+use super::groups::{Groups, name};
 use super::surface::{Corners, Surface};
 use super::text::{Line, Lines, point, push_integer, push_point, write_rows};
 use super::{DomainFile, Point, PointFile};
@@ -95,11 +96,19 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
     // Faces may come before the vertices that they name, but count backwards from their own place.
     let mut surface = Surface::new(read(bytes)?.points);
     let (mut above, mut number, mut others, mut more) = (0_usize, 0_u64, false, false);
+    let (mut groups, mut materials) = (Groups::default(), Groups::default());
     let mut lines = Lines::new(bytes);
     // Every turn takes a line.
     while let Some(line) = lines.next() {
         let at = |reason| ParseError::at(bytes, line.offset, reason);
         match line.fields().next().unwrap_or_default() {
+            word @ (b"g" | b"o" | b"usemtl") if !goes_on(&line) => {
+                let into = if word == b"usemtl" { &mut materials } else { &mut groups };
+                into.take(surface.faces());
+                into.begin(&name(
+                    line.text.trim_ascii_start().get(word.len()..).unwrap_or_default(),
+                ));
+            }
             b"v" => {
                 above += 1;
                 more |= line.fields().count() > 4;
@@ -133,9 +142,10 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
         notes.push("values after the third of a vertex are not read".to_owned());
     }
     if others {
-        notes.push("statements other than `v` and `f` are not read".to_owned());
+        notes.push("statements other than `v`, `f`, `g`, `o` and `usemtl` are not read".to_owned());
     }
-    Ok(surface.finish(notes))
+    [&mut groups, &mut materials].into_iter().for_each(|own| own.take(surface.faces()));
+    Ok(surface.grouped(groups.divided(materials)).finish(notes))
 }
 
 fn goes_on(line: &Line<'_>) -> bool {

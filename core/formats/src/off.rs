@@ -7,6 +7,7 @@
 //! Source: the Geomview manual, "OFF Files".
 
 use super::error::{ParseError, Reason, excerpt};
+use super::groups::{Groups, name};
 use super::surface::{Corners, Surface};
 use super::text::{Line, Lines, capacity, count, point, push_integer, push_point, write_rows};
 use super::{DomainFile, Point, PointFile};
@@ -27,12 +28,12 @@ pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
 /// Corners of a face for which memory is reserved before they are there.
 const CORNERS: u64 = 16;
 
-/// Reads an `.off` file as a surface. Colours are not read; a note says so.
+/// Reads an `.off` file as a surface.
 pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
     let (file, announced, mut lines) = vertices(bytes)?;
     let mut surface = Surface::new(file.points);
     surface.reserve(capacity(announced, lines.remaining(), 8));
-    let mut more = false;
+    let mut groups = Groups::default();
     for found in 0..announced {
         let Some(line) = lines.next() else {
             let reason = Reason::Truncated { what: "faces", announced, found };
@@ -54,22 +55,20 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
             let token = token.ok_or_else(short).map_err(at)?;
             corners.push(token, 0, surface.points(), found).map_err(at)?;
         }
-        let rest = fields.next().is_some();
+        let colour = name(&fields.collect::<Vec<&[u8]>>().join(&b' '));
+        let rest = !colour.is_empty();
         // The next number would begin a face, to which this one lacks a corner.
         if goes_on && rest {
             return Err(at(Reason::Syntax(format!("face {found} ends in the midst of a line"))));
         }
-        more |= rest;
         surface.face(corners).map_err(at)?;
+        groups.begin(&if rest { format!("colour {colour}") } else { colour });
+        groups.take(surface.faces());
     }
     if let Some(line) = lines.next() {
         return Err(ParseError::at(bytes, line.offset, Reason::Surplus("face")));
     }
-    let mut notes = file.notes;
-    if more {
-        notes.push("colours of faces are not read".to_owned());
-    }
-    Ok(surface.finish(notes))
+    Ok(surface.grouped(groups).finish(file.notes))
 }
 
 /// Reads header and vertices; also the number of faces, and the lines that are left.

@@ -4,8 +4,10 @@
 //! `vertex` with the properties `x`, `y` and `z` of any number type is the points; a property
 //! `tag` whose values are whole numbers is their tags. Other elements and properties are not read;
 //! a note says so. For a domain (in `faces.rs`) the element `face` with the list `vertex_indices`
-//! or `vertex_index` is read as well, and an integer property `marker`; and so are the elements
-//! `tristrips` and `trifans`, whose lists hold strips or fans of triangles with -1 between them.
+//! or `vertex_index` is read as well, and an integer property `marker`, or else `part`, `group`,
+//! `label`, `material_index` or colours, whose values are groups of faces if there are several; and
+//! so are the elements `tristrips` and `trifans`, whose lists hold strips or fans of triangles with
+//! -1 between them.
 //! Written: properties of type
 //! `double`; tags as `int` where they fit, else as `double` (the format has no integers of 64
 //! bits).
@@ -29,7 +31,18 @@ enum Role {
     /// A list: the corners of a face.
     Corners,
     Marker,
+    /// The group of a face, by this word and a number.
+    Group(&'static str),
+    /// A part of a colour.
+    Colour(usize),
     Other,
+}
+
+impl Role {
+    /// May an element have only one such property?
+    fn is_single(self) -> bool {
+        !matches!(self, Self::Other | Self::Group(_) | Self::Colour(_))
+    }
 }
 
 /// A property of an element.
@@ -158,7 +171,7 @@ fn header(bytes: &[u8]) -> Result<Header, ParseError> {
                 };
                 let property = property(words, big_endian).map_err(at)?;
                 let twice = element.properties.iter().any(|p| p.role == property.role);
-                if element.holds == Rows::Vertices && twice && property.role != Role::Other {
+                if element.holds == Rows::Vertices && twice && property.role.is_single() {
                     return Err(at(Reason::Syntax("the same property twice".into())));
                 }
                 element.properties.push(property);
@@ -215,6 +228,13 @@ fn property(words: &[&[u8]], big_endian: bool) -> Result<Property, Reason> {
         b"vertex_indices" | b"vertex_index" if length.is_some() => Role::Corners,
         _ if length.is_some() => Role::Other,
         b"marker" => Role::Marker,
+        b"red" => Role::Colour(0),
+        b"green" => Role::Colour(1),
+        b"blue" => Role::Colour(2),
+        b"part" => Role::Group("part"),
+        b"group" => Role::Group("group"),
+        b"label" => Role::Group("label"),
+        b"material_index" => Role::Group("material"),
         b"x" => Role::Axis(0),
         b"y" => Role::Axis(1),
         b"z" => Role::Axis(2),
@@ -365,7 +385,7 @@ fn vertex(body: &mut Body<'_>, element: &Element) -> Result<(Point, Option<f64>)
         match property.role {
             Role::Axis(axis) => p[axis] = body.float(property.scalar)?,
             Role::Tag => tag = Some(body.float(property.scalar)?),
-            Role::Corners | Role::Marker | Role::Other => body.skip(property)?,
+            _ => body.skip(property)?,
         }
     }
     Ok((p, tag))

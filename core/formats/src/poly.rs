@@ -88,7 +88,7 @@ fn read(bytes: &[u8], layout: Layout, node: Option<NodeFile>) -> Result<DomainFi
     if outside.file.point_tags.is_some() {
         notes.push("markers of points are not read".to_owned());
     }
-    Ok(DomainFile { domain, oriented: false, notes })
+    Ok(DomainFile { domain, oriented: false, notes, ..DomainFile::default() })
 }
 
 /// The values of a row behind its number.

@@ -6,18 +6,22 @@
 //! triangles are not read either; a note says so. A file is binary if its length is the one that
 //! the count in its header asks for, or if it does not start with `solid`. In text, keywords are of
 //! either case, and those of two words may stand apart (`end solid`) or together (`outerloop`).
+//! Several solids with triangles are groups of these, by their names; one is the volume's name.
 //! Written: text, in which coordinates keep their 64 bits (the binary form has 32).
 //! Source: 3D Systems, "StereoLithography Interface Specification", 1988.
 
 use super::error::{ParseError, Place, Reason, excerpt, is_utf16};
+use super::groups::{self, Groups};
 use super::surface::{Corners, Surface};
-use super::text::{Lines, capacity, point, push_point, write_rows};
+use super::text::{Line, Lines, capacity, point, push_point, write_rows};
 use super::{DomainFile, Point, PointFile};
 use std::collections::HashMap;
 use std::io::Write;
 
 /// Bytes before the triangles: a comment of 80 bytes and their count.
 const HEADER: usize = 84;
+/// The name of what we write, which tells nothing.
+const OWN: &str = "ltbw";
 /// Bytes of a triangle: its normal, three corners of three `f32` each, and two bytes more.
 const TRIANGLE: usize = 50;
 
@@ -30,7 +34,7 @@ pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
 
 /// Reads an `.stl` file as a surface; corners of equal coordinates are one vertex.
 pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
-    let Distinct { points, corners, .. } = triangles(bytes)?;
+    let Distinct { points, corners, mut groups, .. } = triangles(bytes)?;
     let mut surface = Surface::new(points);
     let (triangles, _) = corners.as_chunks::<3>();
     surface.reserve(triangles.len());
@@ -38,7 +42,8 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
         let face = Corners::from(&triangle[..]);
         surface.face(face).map_err(|r| ParseError::new(Place::End, r))?;
     }
-    Ok(surface.finish(Vec::new()))
+    groups.take(triangles.len());
+    Ok(surface.grouped(groups).finish(Vec::new()))
 }
 
 /// The triangles of either form.
@@ -66,6 +71,8 @@ struct Distinct {
     points: Vec<Point>,
     seen: HashMap<[u64; 3], u32>,
     corners: Vec<u32>,
+    /// The solids of a text.
+    groups: Groups,
 }
 
 impl Distinct {
@@ -76,6 +83,17 @@ impl Distinct {
             points: Vec::with_capacity(reserve / 2),
             seen: HashMap::with_capacity(reserve / 2),
             corners: Vec::with_capacity(3 * reserve),
+            groups: Groups::of_bodies(),
+        }
+    }
+
+    /// Begins a solid of a text, the one of this number. What we write has no name of its own.
+    fn begin(&mut self, line: &Line<'_>, number: usize) {
+        self.groups.take(self.corners.len() / 3);
+        let words = line.text.trim_ascii_start().get(5..).unwrap_or_default();
+        match groups::name(words) {
+            name if name.is_empty() || name == OWN => self.groups.begin(&format!("solid {number}")),
+            name => self.groups.begin(&name),
         }
     }
 
@@ -122,13 +140,17 @@ fn read_binary(body: &[u8], count: u32) -> Result<Distinct, ParseError> {
 fn read_text(bytes: &[u8]) -> Result<Distinct, ParseError> {
     // A triangle takes some 250 bytes.
     let mut distinct = Distinct::new(capacity(u64::MAX, bytes.len(), 250));
-    let (mut inside, mut corners) = (false, 0);
+    let (mut inside, mut corners, mut solids) = (false, 0, 0);
     for line in Lines::new(bytes) {
         let at = |reason| ParseError::at(bytes, line.offset, reason);
         let mut fields = line.fields();
         let word = keyword(&mut fields);
         match word.as_slice() {
-            b"solid" if !inside => inside = true,
+            b"solid" if !inside => {
+                inside = true;
+                solids += 1;
+                distinct.begin(&line, solids);
+            }
             b"endsolid" if inside => inside = false,
             b"vertex" if inside => {
                 point(&mut fields, 1).and_then(|p| distinct.add(p)).map_err(at)?;

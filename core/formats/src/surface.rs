@@ -5,6 +5,7 @@
 
 use super::DomainFile;
 use super::error::{DataError, Reason, excerpt};
+use super::groups::Groups;
 use super::text::integer;
 use ltbw_domain::{Domain, Facet, triangulate};
 use ltbw_exact::Point;
@@ -50,6 +51,21 @@ impl Corners {
 /// A surface that is being read.
 pub(super) struct Surface(Domain);
 
+/// A surface that has been read, and the groups of its faces.
+pub(super) struct Grouped {
+    surface: Surface,
+    groups: Groups,
+}
+
+impl Grouped {
+    /// The file of it, the groups being markers.
+    pub(super) fn finish(self, mut notes: Vec<String>) -> DomainFile {
+        let Self { surface: Surface(mut domain), groups } = self;
+        let names = groups.mark(&mut domain, &mut notes);
+        DomainFile { domain, oriented: true, names, notes }
+    }
+}
+
 impl Surface {
     pub(super) fn new(vertices: Vec<Point>) -> Self {
         Self(Domain { vertices, ..Domain::default() })
@@ -57,6 +73,16 @@ impl Surface {
 
     pub(super) fn reserve(&mut self, faces: usize) {
         self.0.facets.reserve(faces);
+    }
+
+    /// The number of faces so far that bound something.
+    pub(super) fn faces(&self) -> usize {
+        self.0.facets.len()
+    }
+
+    /// The surface with groups of its faces.
+    pub(super) fn grouped(self, groups: Groups) -> Grouped {
+        Grouped { surface: self, groups }
     }
 
     /// The number of vertices.
@@ -106,7 +132,7 @@ impl Surface {
     }
 
     pub(super) fn finish(self, notes: Vec<String>) -> DomainFile {
-        DomainFile { domain: self.0, oriented: true, notes }
+        DomainFile { domain: self.0, oriented: true, notes, ..DomainFile::default() }
     }
 }
 

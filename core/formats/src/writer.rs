@@ -12,9 +12,9 @@ use std::path::Path;
 
 /// A mesh to be written, and what goes with it.
 ///
-/// The mesh itself has tags, attributes and boundary faces. `.vtu` and `.vtk` have a place for all
-/// of it but names; `.mesh` and `.ele` (with `.node` and `.face` beside it) for tags and faces;
-/// `.msh` for names, too. An `.ele` file has attributes in place of tags if there are some.
+/// The mesh itself has tags, attributes and boundary faces. `.vtu` has a place for all of it, and
+/// `.vtk` for all but names; `.mesh` and `.ele` (with `.node` and `.face` beside it) for tags and
+/// faces; `.msh` for names, too. An `.ele` file has attributes in place of tags if there are some.
 ///
 /// ```no_run
 /// use ltbw_core::TetMesh;
@@ -147,7 +147,10 @@ impl<'a> MeshWriter<'a> {
             Format::Msh => msh::write_hashed(out, mesh, names, hash, options),
             Format::Medit => medit::write(out, mesh),
             Format::Vtk => vtk::write_with(out, mesh, values, options.encoding),
-            _ => vtu::write_hashed(out, mesh, values, hash, options.encoding),
+            _ => {
+                let beside = vtu::Beside { hash, names };
+                vtu::write_beside(out, mesh, values, beside, options.encoding)
+            }
         }
     }
 

@@ -145,7 +145,7 @@ fn boundaries_are_read_back() {
         assert_eq!(read.notes, [] as [&str; 0], "{name}");
     }
     let text = std::fs::read_to_string(dir.path().join("d.msh")).expect("a text");
-    assert!(text.contains("$PhysicalNames\n3\n2 2 \"marker -3\"\n2 3 \"marker 0\"\n"), "{text}");
+    assert!(text.contains("$PhysicalNames\n5\n2 2 \"marker -3\"\n2 3 \"marker 0\"\n"), "{text}");
 }
 
 /// Programs that ignore the numbers of elements in views take one value for each, in their order.

@@ -4,6 +4,7 @@
 mod carried;
 mod domain_io;
 mod extras;
+mod groups;
 mod io_refusals;
 mod liberal;
 mod mesh_io;

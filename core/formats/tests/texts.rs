@@ -98,8 +98,6 @@ fn files_that_are_nearly_right_are_refused_in_one_line() {
     let error = surplus.expect_err("one face more").to_string();
     assert!(error.contains("face"), "{error}");
     one_line(&error);
-    let coloured = off::read_domain(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 2 0\n3 0 1 2 255 0 0\n");
-    assert_eq!(coloured.expect("a file").notes, ["colours of faces are not read"]);
     let error = npy::read(b"\x93NUMPY\x04\x00\x00\x00").expect_err("version 4").to_string();
     assert!(error.contains("version 4"), "{error}");
 }

@@ -20,7 +20,8 @@ impl Refiner<'_> {
     /// was asked for: [`ltbw_domain::Domain::prepare`], [`Given::flat_tolerance`], then
     /// [`Refiner::refine`]. These calls by themselves also say what was moved and repaired. A file
     /// is given whole, for it tells whether it holds an oriented surface: the mesh is then the
-    /// program's.
+    /// program's. The markers of a surface without any are its smooth parts:
+    /// [`Given::smooth_parts`].
     ///
     /// # Errors
     /// [`MeshError`]: the domain is defective, a bound is no bound, or there is no memory.
@@ -28,6 +29,10 @@ impl Refiner<'_> {
         let options = PrepareOptions { oriented: given.is_surface(), ..PrepareOptions::default() };
         let ready = given.domain().prepare(&options)?;
         let usual = given.flat_tolerance(&ready, &options);
-        Ok(self.or_flat_tolerance(usual).refine(&ready.domain, &ready.lattice)?)
+        let refined = self.or_flat_tolerance(usual).refine(&ready.domain, &ready.lattice)?;
+        Ok(match given.smooth_parts(&ready, None, usual) {
+            Some(parts) => refined.with_markers(parts.markers),
+            None => refined,
+        })
     }
 }

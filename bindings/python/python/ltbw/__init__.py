@@ -100,6 +100,7 @@ def tetrahedralize(
     fill=0,
     simplify=0.0,
     flat_tolerance=None,
+    feature_angle=None,
     exact_input=False,
     frame="auto",
     progress=None,
@@ -150,6 +151,10 @@ def tetrahedralize(
         By default, for surfaces, the larger of 2**-22 of the diagonal and what the numbers tell:
         two steps of the largest where all are float32, two units of the last decimal where they
         have 5 to 15 digits.
+    feature_angle : float, optional
+        A surface without markers has parts, smooth within so many degrees, with the markers 1, 2,
+        ... by area and place: :attr:`Mesh.parts`. By default 40 for surfaces, at most 90; 0: none.
+        The mesh does not depend on it.
     exact_input : bool
         Refuse a domain that is not exactly on its lattice.
     frame : {"auto", "own", "local"}
@@ -202,6 +207,9 @@ def tetrahedralize(
         repair=_input.number(repair, "repair", "repair.type"),
         fill=_input.whole(fill, "fill", "fill.count", 0, 256),
         simplify=_input.number(simplify, "simplify", "simplify.type"),
+        feature_angle=None
+        if feature_angle is None
+        else _input.number(feature_angle, "feature_angle", "feature_angle.type"),
         exact_input=_input.truth(exact_input, "exact_input"),
         own_frame=_input.frame(frame),
         check=_input.truth(check, "check"),

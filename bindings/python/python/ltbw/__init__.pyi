@@ -45,6 +45,7 @@ class Mesh:
     triangles: NDArray[np.int32]
     triface: NDArray[np.int32]
     triface_markers: NDArray[np.int64]
+    parts: dict[str, NDArray[np.intp]]
     regions: NDArray[np.int32]
     region_attributes: NDArray[np.float64]
     excuses: list[tuple[int, str]]
@@ -101,6 +102,7 @@ def tetrahedralize(
     fill: int = ...,
     simplify: float = ...,
     flat_tolerance: float | None = ...,
+    feature_angle: float | None = ...,
     exact_input: bool = ...,
     frame: Frame = ...,
     progress: Progress | None = ...,

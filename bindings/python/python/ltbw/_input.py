@@ -251,6 +251,7 @@ def wishes(**given):
         "fill": 0,
         "simplify": 0.0,
         "flat_tolerance": None,
+        "feature_angle": None,
         "exact_input": False,
         "own_frame": None,
         "check": True,

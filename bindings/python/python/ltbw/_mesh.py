@@ -138,6 +138,7 @@ class Mesh(ScipyNames):
     ``coplanar``                  scipy                  duplicates: point, tetrahedron, vertex, (d, 3)
     ``triangles``                 ``triface``            boundary triangles of a domain, (b, 3)
     ``triface_markers``           tetgen                 their facets' markers, (b,)
+    ``parts``                                            parts of the boundary: name -> triangles
     ``regions``                                          region of each tetrahedron, from 1, (m,)
     ``region_attributes``                                attribute of each region, (r,)
     ``grid``, ``surface``         pyvista                the mesh, its boundary, with data of cells
@@ -148,6 +149,8 @@ class Mesh(ScipyNames):
         self._kernel = kernel
         # Names of groups that a meshio surface came with: (marker, dimension) each.
         self._names = dict(field_data or {})
+        for dimension, number, name in kernel.names:
+            self._names.setdefault(name, np.array([number, dimension]))
         self.certificate = None if certificate is None else Certificate(certificate)
         self.notes = list(notes)
 
@@ -216,6 +219,29 @@ class Mesh(ScipyNames):
         return self._boundary[1]
 
     @functools.cached_property
+    def parts(self):
+        """The parts of the boundary by name: numbers of ``triangles``, as a dict.
+
+        Names are those of the solids of an ``.stl`` file, the groups and materials of an ``.obj`` file,
+        the colours of a ``.ply`` or ``.off`` file, or the groups of a meshio surface; else ``"part 1"``
+        and so on, the smooth parts of a surface without markers, the largest first; other markers
+        are named by their numbers, ``"marker 5"``.
+
+        >>> import ltbw
+        >>> cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        >>> faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+        >>> mesh = ltbw.tetrahedralize((cube, faces))
+        >>> sorted(mesh.parts)
+        ['part 1', 'part 2', 'part 3', 'part 4', 'part 5', 'part 6']
+        >>> mesh.points[mesh.triangles[mesh.parts["part 1"]]][..., 0].max().item()
+        0.0
+        """
+        names = {int(group[0]): name for name, group in self._names.items() if int(group[1]) == 2}
+        markers = self.triface_markers
+        name = lambda marker: names.get(marker, f"marker {marker}")
+        return {name(int(m)): np.flatnonzero(markers == m) for m in np.unique(markers)}
+
+    @functools.cached_property
     def regions(self):
         """The region of each tetrahedron, from 1; int32, (m,)."""
         return self._kernel.regions()
@@ -275,8 +301,8 @@ class Mesh(ScipyNames):
         return self.certificate if text is None else Certificate(text)
 
     def save(self, path):
-        """Writes the mesh: ``.vtu .vtk .msh .mesh .ele``. Groups of ``.msh`` are named by their
-        markers; names that a meshio surface came with are in :meth:`to_meshio` alone."""
+        """Writes the mesh: ``.vtu .vtk .msh .mesh .ele``. ``.msh`` and ``.vtu`` have the names of
+        parts; names that a meshio surface came with are in :meth:`to_meshio` alone."""
         self._kernel.save(os.fspath(path))
 
     def to_meshio(self, names="ltbw"):

@@ -42,8 +42,13 @@ class Stored:
         """What a kernel has."""
         if isinstance(kernel, cls):
             return kernel
-        parts = {name: getattr(kernel, name)() for name in METHODS}
+        parts = {name: getattr(kernel, name)() for name in METHODS} | {"names": kernel.names}
         return cls(parts, kernel.outcome, kernel.certify(False))
+
+    @property
+    def names(self):
+        """Names of groups."""
+        return self._parts["names"]
 
     @functools.cached_property
     def _delaunay(self):

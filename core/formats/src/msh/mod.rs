@@ -147,6 +147,8 @@ fn names(source: &mut Source<'_>, parts: &mut Parts) -> Result<(), ParseError> {
         let marker = name.and_then(|name| name.strip_prefix(write::NAME)?.parse().ok());
         match (dimension, group, marker) {
             (Some("2"), Some(group), Some(marker)) => drop(parts.markers.insert(group, marker)),
+            // The name of a volume without one.
+            (Some("3"), Some(group), None) if is_own_volume(name, group) => {}
             (Some(dimension @ ("2" | "3")), Some(group), None) => {
                 let dimension = if dimension == "2" { 2 } else { 3 };
                 let name = name.unwrap_or_default().to_owned();
@@ -159,6 +161,12 @@ fn names(source: &mut Source<'_>, parts: &mut Parts) -> Result<(), ParseError> {
         parts.notes.push("names of physical groups of points and curves are not read".to_owned());
     }
     source.end("PhysicalNames")
+}
+
+/// Is it the name that a volume without another one has?
+fn is_own_volume(name: Option<&str>, group: i64) -> bool {
+    let number = name.and_then(|name| name.strip_prefix(write::VOLUME)?.parse().ok());
+    number == Some(group)
 }
 
 /// Reads a view: its header is lines of text, also in binary files.

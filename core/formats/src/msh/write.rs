@@ -11,6 +11,9 @@ use std::io::{Error, ErrorKind, Result, Write};
 /// The name of a group of triangles whose marker no group can have: this, and the marker.
 pub(super) const NAME: &str = "marker ";
 
+/// The name of a group of tetrahedra that has no other: this, and its number.
+pub(super) const VOLUME: &str = "volume ";
+
 /// The form in which the regions of a mesh are written.
 enum Regions<'a> {
     /// As physical groups: each different region, ascending.
@@ -84,10 +87,23 @@ impl<'a> Surfaces<'a> {
         self.markers.partition_point(|&m| m < self.faces[face].marker)
     }
 
-    /// The names of groups: those that tell markers, and those given, also of groups in which
-    /// nothing is: where regions are a view their numbers are still those of the names.
-    fn write_names(&self, sink: &mut Sink<'_>, names: &[GroupName]) -> Result<()> {
+    /// The names of groups: those that tell markers, those of volumes without another, and those
+    /// given, also of groups in which nothing is: where regions are a view their numbers are still
+    /// those of the names.
+    fn write_names(
+        &self,
+        sink: &mut Sink<'_>,
+        names: &[GroupName],
+        regions: &Regions<'_>,
+    ) -> Result<()> {
         let own = self.groups.iter().filter_map(|(group, name)| Some((2, *group, name.clone()?)));
+        let volumes = match regions {
+            Regions::Groups(_, different) => different.as_slice(),
+            _ => &[],
+        };
+        let is_named = |group: &i64| names.iter().any(|n| n.dimension == 3 && n.group == *group);
+        let volumes = volumes.iter().filter(|group| !is_named(group));
+        let own = own.chain(volumes.map(|group| (3, *group, format!("{VOLUME}{group}"))));
         // A name ends at its line and at its quotes.
         let plain = |name: &str| name.chars().filter(|&c| !c.is_control() && c != '"').collect();
         let given = names.iter().filter(|n| matches!(n.dimension, 2 | 3));
@@ -266,7 +282,7 @@ pub(crate) fn write_hashed(
         sink.line(&format!("$Comments\n{}\n$EndComments", carried::line(hash)))?;
     }
     let surfaces = Surfaces::new(faces, names);
-    surfaces.write_names(sink, names)?;
+    surfaces.write_names(sink, names, &regions)?;
     match version {
         MshVersion::V4_1 => version_4(sink, mesh, &regions, &surfaces)?,
         MshVersion::V2_2 => version_2(sink, mesh, &regions, &surfaces)?,

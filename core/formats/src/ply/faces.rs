@@ -1,5 +1,6 @@
 //! The faces of a `.ply` file: a surface.
 
+use super::super::groups::Groups;
 use super::super::surface::{Corners, Face, Surface};
 use super::super::text::{capacity, push_integer, push_point, write_rows};
 use super::super::{DomainFile, Encoding, Point};
@@ -41,8 +42,10 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
     let file = file.ok_or_else(|| missing("there is no element `vertex`"))?;
     let mut surface = Surface::new(file.points);
     surface.reserve(lists.iter().map(|(_, faces)| faces.corners.len()).sum());
+    let mut groups = Groups::default();
     for (holds, faces) in lists {
         for (row, corners) in faces.corners.iter().enumerate() {
+            groups.begin(faces.groups.get(row).map_or("", String::as_str));
             let marker = faces.markers.get(row).copied().unwrap_or(0);
             let added = match holds {
                 Rows::Faces => corners_of(corners, surface.points(), "face", row)
@@ -61,13 +64,14 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
                 Some(&end) => body.error_at(end, reason),
                 None => ParseError::new(Place::Face(row as u64), reason),
             })?;
+            groups.take(surface.faces());
         }
     }
     let mut notes = file.notes;
     if others {
         notes.push("elements other than vertices and faces are not read".to_owned());
     }
-    Ok(surface.finish(notes))
+    Ok(surface.grouped(groups).finish(notes))
 }
 
 /// The number that stands between the strips or fans of a list.
@@ -93,6 +97,8 @@ struct Faces {
     corners: Vec<Vec<i64>>,
     /// Markers, if the element has any.
     markers: Vec<i32>,
+    /// Names of groups, if the element has any.
+    groups: Vec<String>,
     /// Where each row ends; of faces, which are many, this is not kept.
     ends: Vec<usize>,
 }
@@ -108,10 +114,10 @@ fn faces(body: &mut Body<'_>, element: &Element) -> Result<Faces, ParseError> {
     for found in 0..element.rows {
         let announced = element.rows;
         let early = Reason::Truncated { what: "faces", announced, found };
-        let (corners, marker) =
-            face(body, element).map_err(|r| body.error(body_error(r, &early)))?;
-        faces.corners.push(corners);
-        faces.markers.extend(marker);
+        let own = face(body, element).map_err(|r| body.error(body_error(r, &early)))?;
+        faces.corners.push(own.corners);
+        faces.markers.extend(own.marker);
+        faces.groups.extend(own.group.filter(|_| own.marker.is_none()));
         if element.holds != Rows::Faces {
             faces.ends.push(body.position());
         }
@@ -119,9 +125,17 @@ fn faces(body: &mut Body<'_>, element: &Element) -> Result<Faces, ParseError> {
     Ok(faces)
 }
 
+/// A row of an element of faces.
+#[derive(Default)]
+struct Row {
+    corners: Vec<i64>,
+    marker: Option<i32>,
+    group: Option<String>,
+}
+
 /// One face; its errors are `None` where the file ends.
-fn face(body: &mut Body<'_>, element: &Element) -> Result<(Vec<i64>, Option<i32>), Option<Reason>> {
-    let (mut corners, mut marker) = (Vec::new(), None);
+fn face(body: &mut Body<'_>, element: &Element) -> Result<Row, Option<Reason>> {
+    let (mut row, mut colour) = (Row::default(), [None; 3]);
     let whole = |value: f64| {
         exact_integer(value).ok_or_else(|| Some(Reason::NotAnInteger(format!("{value:?}"))))
     };
@@ -129,20 +143,27 @@ fn face(body: &mut Body<'_>, element: &Element) -> Result<(Vec<i64>, Option<i32>
         match property.role {
             Role::Corners => {
                 let count = body.length(property)?;
-                corners.reserve(capacity(count, body.remaining(), 1).min(16));
+                row.corners.reserve(capacity(count, body.remaining(), 1).min(16));
                 for _ in 0..count {
-                    corners.push(whole(body.float(property.scalar)?)?);
+                    row.corners.push(whole(body.float(property.scalar)?)?);
                 }
             }
             Role::Marker => {
                 let value = whole(body.float(property.scalar)?)?;
                 let fits = i32::try_from(value);
-                marker = Some(fits.map_err(|_| Some(Reason::NotAnInteger(value.to_string())))?);
+                row.marker = Some(fits.map_err(|_| Some(Reason::NotAnInteger(value.to_string())))?);
             }
+            Role::Group(word) if row.group.is_none() => {
+                row.group = Some(format!("{word} {}", body.float(property.scalar)?));
+            }
+            Role::Colour(k) => colour[k] = Some(body.float(property.scalar)?),
             _ => body.skip(property)?,
         }
     }
-    Ok((corners, marker))
+    if let ([Some(r), Some(g), Some(b)], None) = (colour, &row.group) {
+        row.group = Some(format!("colour {r} {g} {b}"));
+    }
+    Ok(row)
 }
 
 /// Writes a surface with the markers of its faces; binary is little endian.

@@ -8,25 +8,27 @@
 //! compressed by zlib, LZ4 or LZMA; either byte order. Tetrahedra (VTK type 10) become the mesh;
 //! triangles (type 5) that are faces of tetrahedra are boundary triangles, with their `marker`;
 //! of those of higher order the corners are read; other cells of dimension 0 to 2 and other arrays
-//! are not read, and a note says so; other cells are refused.
+//! are not read, and a note says so; other cells are refused. Names of groups are field data.
 //! Source: the VTK file formats page of the VTK documentation.
 
 mod array;
 mod blocks;
 mod cells;
+mod names;
 mod write;
 
-use super::MeshFile;
 use super::error::{ParseError, Reason, excerpt};
 use super::scalar::Scalar;
 use super::text::{Tokens, count, float, integer};
 use super::xml::{attribute, each_event, expect_kind, malformed};
+use super::{GroupName, MeshFile};
 use array::{Layout, Stream};
 pub(crate) use cells::{Grid, append};
+use names::Named;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
+pub(crate) use write::{Beside, write_beside, write_part};
 pub use write::{write, write_with};
-pub(crate) use write::{write_hashed, write_part};
 
 /// VTK's number for a tetrahedron.
 const TETRAHEDRON: i64 = 10;
@@ -123,6 +125,9 @@ struct State<'a> {
     piece: Option<Piece>,
     /// The array that is being read, if it is one that is wanted.
     wanted: Option<(Wanted, Storage)>,
+    /// The array of field data that is being read, and the names that were.
+    named: Option<Named>,
+    names: Vec<GroupName>,
     grid: Grid,
     other_arrays: bool,
     /// Bytes that compressed data may still become.
@@ -144,6 +149,8 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         open: Vec::new(),
         piece: None,
         wanted: None,
+        named: None,
+        names: Vec::new(),
         grid: Grid::default(),
         other_arrays: false,
         room: (bytes.len() as u64).saturating_mul(LARGEST_RATIO).saturating_add(SMALL),
@@ -180,7 +187,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     }
     let (mesh, more) = state.grid.finish();
     notes.extend(more);
-    Ok(MeshFile { mesh, notes, names: Vec::new() })
+    Ok(MeshFile { mesh, notes, names: state.names })
 }
 
 /// The offset of the first `word`, which starts with `<`, in `bytes`.
@@ -255,6 +262,10 @@ impl State<'_> {
                     cells: count_attribute(element, "NumberOfCells")?,
                     ..Piece::default()
                 });
+            }
+            (Some("FieldData"), "DataArray" | "Array") => {
+                self.named = Named::of(element)?;
+                self.other_arrays |= self.named.is_none();
             }
             (Some(section), "DataArray" | "Array") => {
                 self.wanted = None;
@@ -381,6 +392,7 @@ impl State<'_> {
     /// Reads the values of a wanted array; other text does not matter, nor does text in elements
     /// inside the array (VTK writes its `InformationKey` there).
     fn text(&mut self, text: &str, offset: usize) -> Result<(), ParseError> {
+        self.named.iter_mut().for_each(|named| named.text(text));
         let (Some((wanted, storage)), Some(piece)) = (self.wanted, &mut self.piece) else {
             return Ok(());
         };
@@ -408,7 +420,14 @@ impl State<'_> {
     /// Closes an element; true when it was the outermost.
     fn end(&mut self) -> Result<bool, ParseError> {
         match self.open.pop().as_deref() {
-            Some("DataArray" | "Array") => self.wanted = None,
+            Some("DataArray" | "Array") => {
+                self.wanted = None;
+                if let Some(named) = self.named.take() {
+                    let name = named.finish();
+                    self.other_arrays |= name.is_none();
+                    self.names.extend(name);
+                }
+            }
             Some("Piece") => {
                 if let Some(piece) = self.piece.take() {
                     let offset = piece.offset;

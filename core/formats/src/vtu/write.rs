@@ -3,9 +3,9 @@
 //! Boundary triangles follow the tetrahedra as cells. Arrays of cells have a value for every cell,
 //! so a triangle has those of its tetrahedron, and looks like it; tetrahedra have the marker 0.
 
-use super::{TETRAHEDRON, TRIANGLE};
+use super::{TETRAHEDRON, TRIANGLE, names};
 use crate::text::{push_float, push_integer, push_point, write_rows};
-use crate::{Encoding, carried};
+use crate::{Encoding, GroupName, carried};
 use ltbw_core::TetMesh;
 use ltbw_domain::quality::Array;
 use std::io::Write;
@@ -83,7 +83,7 @@ pub(crate) fn write_part(
         row: Box::new(move |_, row| row.extend(worker.to_le_bytes())),
     });
     let sizes = Sizes { points: mesh.points.len(), cells };
-    write_arrays(out, sizes, &arrays, Encoding::Binary, None)
+    write_arrays(out, sizes, &arrays, Encoding::Binary, Beside::default())
 }
 
 /// Writes a `.vtu` file as [`write()`] does, with figures of the tetrahedra.
@@ -96,21 +96,30 @@ pub fn write_with(
     values: &[Array],
     encoding: Encoding,
 ) -> std::io::Result<()> {
-    write_hashed(out, mesh, values, None, encoding)
+    write_beside(out, mesh, values, Beside::default(), encoding)
 }
 
-/// Writes arrays and the hash of the mesh, in a comment.
-pub(crate) fn write_hashed(
+/// The things that a file has beside its arrays.
+#[derive(Default)]
+pub(crate) struct Beside<'a> {
+    /// The hash of the mesh, in a comment.
+    pub(crate) hash: Option<&'a str>,
+    /// Names of groups, in field data.
+    pub(crate) names: &'a [GroupName],
+}
+
+/// Writes arrays and what is beside them.
+pub(crate) fn write_beside(
     out: &mut dyn Write,
     mesh: &TetMesh,
     values: &[Array],
-    hash: Option<&str>,
+    beside: Beside<'_>,
     encoding: Encoding,
 ) -> std::io::Result<()> {
     let mut arrays = geometry(mesh, encoding);
     arrays.extend(data(mesh, values, encoding));
     let sizes = Sizes { points: mesh.points.len(), cells: mesh.tets.len() + mesh.faces.len() };
-    write_arrays(out, sizes, &arrays, encoding, hash)
+    write_arrays(out, sizes, &arrays, encoding, beside)
 }
 
 /// The size of a grid.
@@ -125,9 +134,9 @@ fn write_arrays(
     Sizes { points, cells }: Sizes,
     arrays: &[Column<'_>],
     encoding: Encoding,
-    hash: Option<&str>,
+    beside: Beside<'_>,
 ) -> std::io::Result<()> {
-    let comment = hash.map(|hash| format!("<!-- {} -->\n", carried::line(hash)));
+    let comment = beside.hash.map(|hash| format!("<!-- {} -->\n", carried::line(hash)));
     let header = match encoding {
         Encoding::Binary => " header_type=\"UInt64\"",
         Encoding::Ascii => "",
@@ -136,10 +145,11 @@ fn write_arrays(
         out,
         "<?xml version=\"1.0\"?>\n\
          <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" \
-         byte_order=\"LittleEndian\"{header}>\n{}\
-         <UnstructuredGrid>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n",
+         byte_order=\"LittleEndian\"{header}>\n{}<UnstructuredGrid>\n",
         comment.unwrap_or_default()
     )?;
+    names::write(out, beside.names)?;
+    writeln!(out, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">")?;
     let mut offset = 0;
     for (k, array) in arrays.iter().enumerate() {
         let Column { section, name, kind, rows, bytes, row } = array;

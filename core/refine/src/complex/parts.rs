@@ -85,25 +85,31 @@ enum Marker<'p> {
 /// The markers of subfaces; what a facet has is found when it is asked for.
 pub(crate) struct Markers<'p> {
     plc: &'p Plc,
+    /// Markers of the domain's facets in place of their own.
+    given: Option<&'p [i32]>,
     facets: Vec<OnceCell<Marker<'p>>>,
 }
 
 impl<'p> Markers<'p> {
-    pub(crate) fn new(plc: &'p Plc) -> Self {
-        Self { plc, facets: (0..plc.facets.len()).map(|_| OnceCell::new()).collect() }
+    pub(crate) fn new(plc: &'p Plc, given: Option<&'p [i32]>) -> Self {
+        Self { plc, given, facets: (0..plc.facets.len()).map(|_| OnceCell::new()).collect() }
     }
 
     /// The marker of a subface of facet `f`: that of the polygons which it is part of.
     pub(crate) fn of(&self, f: u32, corners: [Point; 3]) -> i32 {
         let facet = &self.plc.facets[f as usize];
-        let first = facet.parts.first().map_or(0, |part| part.marker);
-        let found = || match facet.parts.iter().all(|part| part.marker == first) {
+        let marker = |part: &Part| match self.given {
+            Some(given) => given.get(part.facet as usize).copied().unwrap_or(0),
+            None => part.marker,
+        };
+        let first = facet.parts.first().map_or(0, marker);
+        let found = || match facet.parts.iter().all(|part| marker(part) == first) {
             true => Marker::One(first),
             false => Marker::Several(Parts::new(facet, &self.plc.corners)),
         };
         match self.facets[f as usize].get_or_init(found) {
             Marker::One(marker) => *marker,
-            Marker::Several(parts) => parts.at_centroid(corners).map_or(first, |p| p.marker),
+            Marker::Several(parts) => parts.at_centroid(corners).map_or(first, marker),
         }
     }
 }

@@ -35,6 +35,8 @@ pub(crate) struct Part {
     /// Points in its holes, in fine steps.
     pub(crate) holes: Vec<Point>,
     pub(crate) marker: i32,
+    /// The facet of the domain that it is, or is a piece of; of a patch the largest.
+    pub(crate) facet: u32,
 }
 
 /// A maximal set of coplanar facets of the domain, or a patch: facets that are connected and
@@ -178,7 +180,8 @@ impl Plc {
                 if group == next {
                     plc.facets.push(Facet::new(plane, None));
                 }
-                let part = Part { polygons, holes: holes.clone(), marker: facet.marker };
+                let (holes, marker) = (holes.clone(), facet.marker);
+                let part = Part { polygons, holes, marker, facet: f };
                 plc.facets[group as usize].parts.push(part);
             }
         }
@@ -217,7 +220,7 @@ impl Plc {
             let polygons = group.polygons.into_iter().map(|p| p.corners).collect();
             let patch = Patch::new(&self.corners, first, group.axis, pieces);
             let mut facet = Facet::new(plane, Some(patch));
-            facet.parts.push(Part { polygons, holes: Vec::new(), marker });
+            facet.parts.push(Part { polygons, holes: Vec::new(), marker, facet: first });
             self.facets.push(facet);
         }
         Ok(taken)

@@ -44,6 +44,8 @@ pub struct Refined {
     pub rounds: Vec<RoundTimes>,
     /// The lattice of all points.
     pub lattice: Lattice,
+    /// Markers of the domain's facets in place of their own.
+    pub(crate) markers: Option<Vec<i32>>,
     pub(crate) state: State,
     /// The finite tetrahedra, exterior included, in the order of their vertices' numbers.
     pub(crate) order: Vec<TetId>,
@@ -71,6 +73,16 @@ impl Refined {
         let all: Vec<f64> = (0..).zip(&self.regions).map(attribute).collect();
         let is_own = (0..).zip(&all).all(|(region, &value)| value == f64::from(region));
         (!is_own).then_some(all)
+    }
+
+    /// Gives the boundary triangles markers in place of those of the domain's facets: one for each
+    /// facet of the domain that was refined, such as [`Parts::markers`](ltbw_domain::Parts). The
+    /// mesh stays what it is; the triangles of facets that are coplanar within the tolerance have
+    /// the marker of the largest of these.
+    #[must_use]
+    pub fn with_markers(mut self, markers: Vec<i32>) -> Self {
+        self.markers = Some(markers);
+        self
     }
 
     /// The tetrahedra of the domain, by their vertices' numbers: an order that is a function of the
@@ -157,7 +169,7 @@ impl Refined {
 
     fn faces(&self, exterior: bool) -> Vec<BoundaryFace> {
         let (state, topology) = (&self.state, self.state.mesh.topology());
-        let markers = Markers::new(&state.plc);
+        let markers = Markers::new(&state.plc, self.markers.as_deref());
         let mut faces = Vec::new();
         let mut place = 0;
         let kept = |t| exterior || self.region(t) != 0;

@@ -73,6 +73,7 @@ impl Run<'_> {
             stats,
             rounds,
             lattice,
+            markers: None,
             state,
             order,
         })
