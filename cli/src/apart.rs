@@ -216,7 +216,7 @@ fn write_whole(
             1 => Vec::new(),
             _ => (0..).zip(lengths).flat_map(|(k, n)| std::iter::repeat_n(k, n)).collect(),
         };
-        let scene = Scene { mesh: &mesh, hull: &hull, workers: &workers };
+        let scene = Scene { mesh: &mesh, hull: &hull, workers: &workers, names: &[], excused: &[] };
         task.write_page(&scene, report, judged, None)?;
     }
     Ok(())

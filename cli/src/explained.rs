@@ -1,9 +1,9 @@
 //! The checker's findings that excuses explain.
 
 use ltbw::TetMesh;
-use ltbw::refine::Refined;
+use ltbw::refine::{Excuse, Refined};
 use ltbw_verify::{Conformity, ConformityDefect, Finding};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Is everything that the checker found excused? A bound may be exceeded by the tetrahedra that
 /// have an excuse, and by no others.
@@ -29,6 +29,13 @@ pub(crate) type Excused = HashSet<[u32; 4]>;
 /// The tetrahedra of a mesh that have an excuse.
 pub(crate) fn excused(refined: &Refined) -> Excused {
     refined.excuses.iter().filter_map(|excuse| refined.tet(excuse.tet)).collect()
+}
+
+/// The tetrahedra that have an excuse, by their numbers in the mesh, each with the reason.
+pub(crate) fn reasons(refined: &Refined) -> Vec<(u32, String)> {
+    let numbers: HashMap<_, u32> = refined.tets().zip(0..).collect();
+    let own = |e: &Excuse| numbers.get(&e.tet).map(|&number| (number, e.reason.to_string()));
+    refined.excuses.iter().filter_map(own).collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::bounds::{Asked, Field, asked, binding, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary, tells_all_slivers};
 use crate::console::{self, Stop};
 use crate::excused;
-use crate::explained::{excused, is_explained};
+use crate::explained::{excused, is_explained, reasons};
 use crate::json::write_text;
 use crate::needles;
 use crate::others::Others;
@@ -214,7 +214,9 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     rounds::write_trace(job.trace, &refined.rounds)?;
     if task.page.is_some() {
         let workers = job.crew.map(|_| made.owners.of(&refined, false)).unwrap_or_default();
-        let scene = Scene { mesh: &inside, hull: &[], workers: &workers };
+        let excused = reasons(&refined);
+        let (names, workers) = (&job.boundary.names, &workers);
+        let scene = Scene { mesh: &inside, hull: &[], workers, names, excused: &excused };
         task.write_page(&scene, &report, &judged, None)?;
     }
     if let (Some(path), Some(quality)) = (job.histogram, &judged.quality) {

@@ -183,7 +183,7 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
     if task.page.is_some() {
         judged.quality = Quality::of(&mesh.points, &mesh.tets);
         let workers = owners(&mesh, &parts);
-        let scene = Scene { mesh: &mesh, hull: &hull, workers: &workers };
+        let scene = Scene { mesh: &mesh, hull: &hull, workers: &workers, names: &[], excused: &[] };
         task.write_page(&scene, &report, &judged, timeline.as_deref())?;
     }
     task.finish(&mut report)?;

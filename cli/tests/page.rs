@@ -97,6 +97,11 @@ struct Browser {
 impl Browser {
     /// Opens a page at an address within it. Whatever the page writes to its console is an error.
     fn visit(&self, page: &Path, address: &str) -> Visit {
+        self.visit_in("900,700", page, address)
+    }
+
+    /// The visit in a window of that size.
+    fn visit_in(&self, window: &str, page: &Path, address: &str) -> Visit {
         let folder = tempfile::tempdir().unwrap();
         let picture = folder.path().join("picture.png");
         let run = |what: &str| {
@@ -104,7 +109,8 @@ impl Browser {
                 .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic"])
                 .args(["--enable-unsafe-swiftshader", "--no-first-run", "--disable-sync"])
                 .args(["--disable-background-networking", "--disable-component-update"])
-                .args(["--hide-scrollbars", "--window-size=900,700", "--enable-logging=stderr"])
+                .args(["--hide-scrollbars", "--enable-logging=stderr"])
+                .arg(format!("--window-size={window}"))
                 .arg("--virtual-time-budget=20000")
                 .arg(format!("--user-data-dir={}", folder.path().join("profile").display()))
                 .arg(what)
@@ -186,6 +192,24 @@ fn a_mesh_is_turned_cut_and_asked() {
     assert!((told - volume).abs() < 1e-4 * volume, "{told} {volume}");
 }
 
+/// The first view of a page fills its frame, on a phone and on a desk.
+#[test]
+fn the_mesh_fills_its_frame() {
+    let Some(browser) = browser() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let run = ltbw(dir.path(), &["demo"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    for window in ["500,900", "1600,900"] {
+        let visit = browser.visit_in(window, &dir.path().join("demo.html"), "measure=1");
+        let figure = |name: &str| -> f64 {
+            let (_, rest) = visit.dom.split_once(&format!("data-{name}=\"")).expect(name);
+            rest.split_once('"').unwrap().0.parse().unwrap()
+        };
+        assert!(figure("filled") >= 0.5, "{window}: {}", figure("filled"));
+        assert!(figure("beyond") <= 0.0, "{window}: {} pixels beyond the window", figure("beyond"));
+    }
+}
+
 #[test]
 fn clicks_and_controls_work() {
     let Some(browser) = browser() else { return };
@@ -210,6 +234,7 @@ fn clicks_and_controls_work() {
         place.value = 0.25;
         place.dispatchEvent(new Event('input'));
         document.body.dataset.address = location.hash;
+        document.getElementById('export').click();
       }, 20);</script></html>";
     let path = dir.path().join("hand.html");
     std::fs::write(&path, page.replace("</html>", hand)).unwrap();
@@ -217,6 +242,7 @@ fn clicks_and_controls_work() {
     assert!(visit.dom.contains("data-after-drag=\"\""), "a drag is no click");
     assert!(visit.dom.contains("<td>tetrahedron</td>"), "a click in the middle hits the mesh");
     let address = visit.dom.split_once("data-address=\"").unwrap().1.split_once('"').unwrap().0;
+    assert!(visit.dom.contains("data-saved=\""), "a part is saved");
     assert!(address.contains("cut=z%3A0.25") && address.contains("tet="), "{address}");
 }
 

@@ -35,7 +35,9 @@ pub(crate) fn run(parts: &[String]) -> Result<(), String> {
     }
     if is_wanted("python") {
         let wheel = python::wheel(&dist)?;
-        println!("dist: {}", wheel.display());
+        python::try_alone(&wheel)?;
+        python::sources(&dist)?;
+        println!("dist: {}, and the sources beside it", wheel.display());
     }
     Ok(())
 }

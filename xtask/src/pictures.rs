@@ -6,11 +6,11 @@ use std::path::Path;
 
 /// The name of a picture, the command that writes its page, and the view of it.
 const PICTURES: [(&str, &[&str], &str); 2] = [
-    ("cut", &["demo"], "cut=z:0.6&zoom=1.15&yaw=-0.5&pitch=0.75"),
+    ("cut", &["demo"], "cut=z:0.45&yaw=-0.35&pitch=0.5"),
     (
         "workers",
         &["delaunay", "points.npy", "--threads", "8", "--page", "demo.html"],
-        "cut=view:0.55&colour=worker&zoom=1.25&yaw=-0.7&pitch=0.5",
+        "cut=view:0.55&colour=worker&yaw=-0.7&pitch=0.5",
     ),
 ];
 

@@ -5,9 +5,11 @@ use crate::shell::{self, cargo, command, root, target};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The packages that build and test it.
-const PACKAGES: [&str; 7] = [
+/// The packages that build and test it; Zig is the linker that asks for no newer C library than the
+/// wheel's tag says.
+const PACKAGES: [&str; 8] = [
     "maturin==1.16.0",
+    "ziglang==0.15.2",
     "numpy==2.4.6",
     "pytest==9.2.0",
     "meshio==5.3.5",
@@ -18,6 +20,19 @@ const PACKAGES: [&str; 7] = [
 
 /// Tells whether they are there.
 const TEST: &str = "import maturin, numpy, pytest, meshio, pyvista, scipy, skfem";
+
+/// The tag of wheels for Linux: they run where the C library is as old as that, from 2018.
+const MANYLINUX: &str = "manylinux_2_28";
+
+/// What a user does first, in a Python without anything but the wheel.
+const FIRST: &str = "\
+import ltbw
+cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+mesh = ltbw.tetrahedralize((cube, faces), size=0.2)
+assert mesh.outcome == 'met' and mesh.certificate, mesh.outcome
+mesh.save('first.vtu')
+";
 
 /// Lints, builds, installs, tests.
 pub(crate) fn run() -> Result<(), String> {
@@ -70,8 +85,44 @@ pub(crate) fn wheel(wheels: &Path) -> Result<PathBuf, String> {
     }
     let mut maturin = in_package(&python.to_string_lossy());
     maturin.args(["-m", "maturin", "build", "--release", "--quiet", "--locked", "--out"]);
-    shell::run(maturin.arg(wheels).arg("-i").arg(&python))?;
-    wheel_in(wheels)
+    maturin.arg(wheels).arg("-i").arg(&python);
+    if cfg!(target_os = "linux") {
+        maturin.args(["--zig", "--compatibility", MANYLINUX]);
+    }
+    shell::run(&mut maturin)?;
+    let wheel = wheel_in(wheels)?;
+    let name = wheel.file_name().unwrap_or_default().to_string_lossy();
+    if cfg!(target_os = "linux") && !name.contains(MANYLINUX) {
+        return Err(format!("{name}: no wheel for {MANYLINUX}"));
+    }
+    Ok(wheel)
+}
+
+/// Packs the sources as pip builds them.
+pub(crate) fn sources(folder: &Path) -> Result<(), String> {
+    let python = shell::python("python-bindings", &PACKAGES, TEST)?;
+    let mut maturin = in_package(&python.to_string_lossy());
+    shell::run(maturin.args(["-m", "maturin", "sdist", "--quiet", "--out"]).arg(folder))
+}
+
+/// Installs a wheel into a Python that has nothing else, and meshes, without Rust in reach.
+pub(crate) fn try_alone(wheel: &Path) -> Result<(), String> {
+    let folder = target().join("python-alone");
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    }
+    shell::run(command("python3").args(["-m", "venv"]).arg(&folder))?;
+    let alone = || {
+        let mut python = command(&folder.join("bin/python").to_string_lossy());
+        python.current_dir(&folder).env("PATH", folder.join("bin"));
+        python
+    };
+    let start = std::time::Instant::now();
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    shell::run(alone().args(install).arg(wheel))?;
+    shell::run(alone().args(["-c", FIRST]))?;
+    println!("a Python of its own: installed, and meshed, in {} s", start.elapsed().as_secs());
+    Ok(())
 }
 
 /// The wheel in a folder.

@@ -19,7 +19,7 @@ pub(crate) struct Page {
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("view.css");
 const VIEW: &str = include_str!("view.html");
-const VIEW_SCRIPT: &str = include_str!("view.js");
+const VIEW_SCRIPT: &str = concat!(include_str!("measures.js"), include_str!("view.js"));
 
 impl Page {
     /// A page about the domain, the points or the run of this name.

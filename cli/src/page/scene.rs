@@ -4,6 +4,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use ltbw::io::GroupName;
 use ltbw::{Point, TetMesh, order};
 use serde_json::json;
 use std::collections::{BTreeMap, HashSet};
@@ -11,6 +12,9 @@ use std::io::Write as _;
 
 /// The most tetrahedra in a page; of larger meshes the boundary and a slab are.
 const MOST: usize = 300_000;
+
+/// The most tetrahedra over a bound whose reasons are told.
+const TOLD: usize = 10_000;
 
 /// A mesh and what its tetrahedra and faces belong to.
 pub(crate) struct Scene<'a> {
@@ -20,6 +24,10 @@ pub(crate) struct Scene<'a> {
     pub(crate) hull: &'a [[u32; 3]],
     /// The worker that each tetrahedron belongs to; empty if there was one.
     pub(crate) workers: &'a [u32],
+    /// The names of groups.
+    pub(crate) names: &'a [GroupName],
+    /// Tetrahedra over a bound, each with the reason.
+    pub(crate) excused: &'a [(u32, String)],
 }
 
 /// A scene as a page has it.
@@ -83,12 +91,22 @@ impl Scene<'_> {
             list.sort_unstable();
             list.into_iter().map(|(_, v)| v.to_string()).collect::<Vec<_>>()
         };
+        let named = |&marker: &i64| {
+            let own = self.names.iter().find(|n| n.dimension == 2 && n.group == marker);
+            own.map(|own| own.name.as_str())
+        };
+        let kept: HashSet<u32> = tets.iter().map(|tet| tet.t).collect();
+        let reasons = self.excused.iter().filter(|(t, _)| kept.contains(t));
+        let excused: BTreeMap<String, &str> =
+            reasons.take(TOLD).map(|(t, reason)| (t.to_string(), reason.as_str())).collect();
         let head = json!({
             "points": names.len(),
             "tets": tets.len(),
             "total": self.mesh.tets.len(),
             "regions": listed(&regions),
             "markers": listed(&markers),
+            "names": markers.keys().map(named).collect::<Vec<_>>(),
+            "excused": excused,
             "workers": listed(&workers),
         });
         let head = head.to_string().replace('<', "\\u003c");
@@ -243,7 +261,8 @@ mod tests {
         let faces = vec![BoundaryFace { corners: [2, 3, 5], marker: 40, tet: 1 }];
         let tet_tags = Some(vec![7, -2]);
         let mesh = TetMesh { points, tets, tet_tags, faces, ..TetMesh::default() };
-        let Encoded { head, data } = Scene { mesh: &mesh, hull: &[], workers: &[3, 1] }.encode();
+        let Encoded { head, data } =
+            Scene { mesh: &mesh, hull: &[], workers: &[3, 1], names: &[], excused: &[] }.encode();
         let head: serde_json::Value = serde_json::from_str(&head).expect("JSON");
         assert_eq!(head["points"], 5, "the first point is not in use");
         assert_eq!(head["regions"], json!(["-2", "7"]));
@@ -285,7 +304,7 @@ mod tests {
         let tets = (0..count as u32).map(|t| [4 * t, 4 * t + 1, 4 * t + 2, 4 * t + 3]).collect();
         let faces = vec![BoundaryFace { corners: [0, 1, 2], marker: 1, tet: 0 }];
         let mut mesh = TetMesh { points: points.collect(), tets, faces, ..TetMesh::default() };
-        let scene = Scene { mesh: &mesh, hull: &[], workers: &[] };
+        let scene = Scene { mesh: &mesh, hull: &[], workers: &[], names: &[], excused: &[] };
         let kept = scene.kept();
         assert_eq!(kept.len(), MOST);
         assert_eq!((kept[0], kept[1]), (0, 501), "the boundary, and the slab in the middle");
@@ -293,7 +312,8 @@ mod tests {
         let last = 4 * (count as u32 - 1);
         let hull = [[last + 2, last + 1, last + 3], [4, 7, 5], [8, 9, 12]];
         mesh.faces.clear();
-        let kept = Scene { mesh: &mesh, hull: &hull, workers: &[] }.kept();
+        let kept =
+            Scene { mesh: &mesh, hull: &hull, workers: &[], names: &[], excused: &[] }.kept();
         assert_eq!(kept.len(), MOST);
         assert_eq!((kept[0], kept[1]), (1, 501), "a facet of the hull, and the slab");
         assert_eq!((kept[MOST - 2], kept[MOST - 1]), (count as u32 - 502, count as u32 - 1));

@@ -1,5 +1,4 @@
 // Viewer of a mesh: the tetrahedra on one side of a plane, turned by hand. No library.
-"use strict";
 (async () => {
   const $ = id => document.getElementById(id);
   const head = JSON.parse($("mesh-head").textContent);
@@ -56,18 +55,7 @@
 
   // Measures.
   const point = v => [xyz[0][v], xyz[1][v], xyz[2][v]];
-  const minus = (p, q) => [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-  const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-  const cross = (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2],
-    p[0] * q[1] - p[1] * q[0]];
-  const EDGES = [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 0, 2],
-    [2, 3, 0, 1]];
   const cornersOf = t => [0, 1, 2, 3].map(k => point(corners[4 * t + k]));
-  const angles = p => EDGES.map(([i, j, k, l]) => {
-    const e = minus(p[j], p[i]);
-    const a = cross(e, minus(p[k], p[i])), b = cross(e, minus(p[l], p[i]));
-    return Math.atan2(Math.hypot(...cross(a, b)), dot(a, b)) * 180 / Math.PI;
-  });
   const measure = t => {
     const p = cornersOf(t), dihedral = angles(p);
     const edges = EDGES.map(([i, j]) => Math.hypot(...minus(p[i], p[j])));
@@ -105,16 +93,27 @@
     marker: (t, k) => marker[4 * t + k] ? many(marker[4 * t + k] - 1) : GREY,
     worker: (t) => many(worker[t]),
   };
+  const digits = x => Number(x.toPrecision(6)).toString();
+  const partName = k => head.names[k] || `marker ${head.markers[k]}`;
+  // The areas of parts, of the tetrahedra that are in the page.
+  const sums = new Float64Array(head.markers.length);
+  for (let face = 0; face < 4 * m; face++) {
+    if (!marker[face]) continue;
+    const [a, b, c] = FACES[face & 3].map(k => point(corners[(face & ~3) + k]));
+    sums[marker[face] - 1] += Math.hypot(...cross(minus(b, a), minus(c, a))) / 2;
+  }
+  const areas = Array.from(sums, sum => Number(sum.toPrecision(4)));
   const classes = {
     angle: BAD.map((c, k) => [c, k < 6 ? `${10 * k}–${10 * k + 10}°` : "60° and more"]),
     region: head.regions.map((name, k) => [many(k), `region ${name}`]),
-    marker: [...head.markers.map((name, k) => [many(k), `marker ${name}`]), [GREY, "inside"]],
+    marker: [...head.markers.map((_, k) => [many(k), `${partName(k)}, area ${areas[k]}`]),
+      [GREY, "inside"]],
     worker: head.workers.map((name, k) => [many(k), `worker ${name}`]),
   };
 
   // State, kept in the address so that a view can be passed on: #cut=z:0.5&colour=region&...
-  const state = { cut: "z", place: 0.5, flip: false, colour: "angle", worse: 90, edges: true,
-    yaw: -0.5, pitch: 0.65, zoom: 1.1, shift: [0, 0], tet: -1 };
+  const state = { cut: "z", place: 0.45, flip: false, colour: "angle", worse: 90, edges: true,
+    yaw: -0.22, pitch: 0.3, zoom: 1, shift: [0, 0], tet: -1, fit: true };
   const readAddress = () => {
     const wish = new URLSearchParams(location.hash.slice(1));
     const number = (key, low, high) => {
@@ -131,7 +130,8 @@
     state.worse = number("worse", 0, 90) ?? state.worse;
     state.yaw = number("yaw", -100, 100) ?? state.yaw;
     state.pitch = number("pitch", -1.6, 1.6) ?? state.pitch;
-    state.zoom = number("zoom", 0.05, 100) ?? state.zoom;
+    const zoom = number("zoom", 0.05, 100);
+    if (zoom !== null) Object.assign(state, { zoom, fit: false });
     const tet = number("tet", 0, 2 ** 32);
     if (tet !== null) state.tet = tetNumber.indexOf(tet);
     document.body.classList.toggle("bare", wish.get("bare") === "1");
@@ -139,7 +139,8 @@
   const writeAddress = () => {
     const wish = new URLSearchParams({ cut: `${state.cut}:${state.place}`, colour: state.colour,
       flip: Number(state.flip), edges: Number(state.edges), worse: state.worse,
-      yaw: state.yaw.toFixed(3), pitch: state.pitch.toFixed(3), zoom: state.zoom.toFixed(3) });
+      yaw: state.yaw.toFixed(3), pitch: state.pitch.toFixed(3) });
+    if (!state.fit) wish.set("zoom", state.zoom.toFixed(3));
     if (state.tet >= 0) wish.set("tet", tetNumber[state.tet]);
     if (document.body.classList.contains("bare")) wish.set("bare", 1);
     history.replaceState(null, "", "#" + wish);
@@ -211,15 +212,15 @@
     later();
   };
 
-  // The camera: eye at distance 3 on the third axis, all in units of the ball's radius.
-  const EYE = 3;
+  // The camera: the eye is at a distance on the third axis, all in units of the ball's radius.
+  const EYE = 6;
   const camera = () => {
-    const wide = canvas.width / canvas.height, f = 2.6 * state.zoom;
+    const wide = canvas.width / canvas.height, f = 5.2 * state.zoom;
     return { r: rotation(), fx: f / Math.max(wide, 1), fy: f * Math.min(wide, 1) };
   };
   const matrix = () => {
     const { r, fx, fy } = camera(), [sx, sy] = state.shift;
-    const near = 0.5, far = 6, z = (far + near) / (near - far), w = 2 * far * near / (near - far);
+    const near = EYE - 2.5, far = EYE + 3, z = (far + near) / (near - far), w = 2 * far * near / (near - far);
     // Columns of the product of projection and turn.
     const columns = [0, 1, 2].map(a => [fx * r[0][a] - sx * r[2][a], fy * r[1][a] - sy * r[2][a],
       z * r[2][a], -r[2][a]]);
@@ -237,30 +238,8 @@
       return made;
     };
     program = gl.createProgram();
-    gl.attachShader(program, shader(gl.VERTEX_SHADER, `#version 300 es
-      uniform mat4 project; uniform mat3 turn;
-      in vec3 place; in vec3 paint; out vec3 position, corner, colour;
-      void main() {
-        gl_Position = project * vec4(place, 1.0);
-        position = turn * place;
-        int k = gl_VertexID % 3;
-        corner = vec3(k == 0, k == 1, k == 2);
-        colour = paint;
-      }`));
-    gl.attachShader(program, shader(gl.FRAGMENT_SHADER, `#version 300 es
-      precision highp float;
-      uniform float lines; in vec3 position, corner, colour; out vec4 result;
-      void main() {
-        vec3 across = normalize(cross(dFdx(position), dFdy(position)));
-        vec3 width = fwidth(corner);
-        float coarse = max(width.x, max(width.y, width.z));
-        vec3 inner = smoothstep(vec3(0.0), 1.3 * width, corner);
-        float edge = 1.0 - min(inner.x, min(inner.y, inner.z));
-        edge *= lines * 0.75 * (1.0 - smoothstep(0.12, 0.5, coarse));
-        float light = 0.5 + 0.5 * dot(across, vec3(-0.35, 0.45, 0.82));
-        vec3 lit = colour * (0.3 + 0.74 * light);
-        result = vec4(mix(lit, vec3(0.12), edge), 1.0);
-      }`));
+    gl.attachShader(program, shader(gl.VERTEX_SHADER, VERTICES));
+    gl.attachShader(program, shader(gl.FRAGMENT_SHADER, PIXELS));
     gl.linkProgram(program);
     gl.useProgram(program);
     gl.enable(gl.DEPTH_TEST);
@@ -324,13 +303,31 @@
       if (state.edges) plain.stroke();
     }
   };
+  // What is shown fills the canvas, until somebody turns, shifts or zooms.
+  const fit = () => {
+    if (!state.fit || !drawn.length) return;
+    Object.assign(state, { zoom: 1, shift: [0, 0] });
+    const { r, fx, fy } = camera(), [left, low, right, high] = frame(buffers.place, r, EYE);
+    state.zoom = 1.96 / Math.max(fx * (right - left), fy * (high - low));
+    state.shift = [-fx * (left + right), -fy * (low + high)].map(s => s * state.zoom / 2);
+  };
+  const pixels = () => {
+    const [wide, high] = [canvas.width, canvas.height], all = new Uint8Array(4 * wide * high);
+    if (gl) gl.readPixels(0, 0, wide, high, gl.RGBA, gl.UNSIGNED_BYTE, all);
+    else all.set(plain.getImageData(0, 0, wide, high).data);
+    return all;
+  };
   const draw = () => {
     waiting = false;
     const scale = window.devicePixelRatio || 1;
     canvas.width = Math.max(1, Math.round(canvas.clientWidth * scale));
     canvas.height = Math.max(1, Math.round(canvas.clientHeight * scale));
+    fit();
     if (gl) drawByCard(); else drawByHand();
     document.body.dataset.drawn = drawn.length;
+    if (!location.hash.includes("measure=1")) return;
+    const { scrollWidth, clientWidth } = document.documentElement;
+    Object.assign(document.body.dataset, { filled: share(pixels()), beyond: scrollWidth - clientWidth });
   };
   let waiting = false;
   const later = () => {
@@ -339,7 +336,6 @@
   };
 
   // The figures of one tetrahedron.
-  const digits = x => Number(x.toPrecision(6)).toString();
   const tell = () => {
     const box = $("picked"), t = state.tet;
     box.replaceChildren();
@@ -355,7 +351,9 @@
       ["edges", range(f.edges)], ["volume", digits(f.volume)]];
     if (head.regions.length) rows.push(["region", head.regions[region[t]]]);
     if (head.workers.length) rows.push(["worker", head.workers[worker[t]]]);
-    if (found.length) rows.push(["markers", found.map(k => head.markers[k - 1]).join(", ")]);
+    if (found.length) rows.push(["part", found.map(k => partName(k - 1)).join(", ")]);
+    const reason = head.excused[tetNumber[t]];
+    if (reason) rows.push(["over a bound", reason]);
     const table = box.appendChild(document.createElement("table"));
     for (const row of rows) {
       const tr = table.insertRow();
@@ -414,9 +412,24 @@
     });
   }
   $("reset").addEventListener("click", () => {
-    Object.assign(state, { yaw: -0.5, pitch: 0.65, zoom: 1.1, shift: [0, 0], tet: -1 });
+    Object.assign(state, { yaw: -0.22, pitch: 0.3, tet: -1, fit: true });
     refresh();
     writeAddress();
+  });
+  $("export").addEventListener("click", () => {
+    const tets = Array.from(visible.keys()).filter(t => visible[t]), places = new Map();
+    const rows = tets.map(t => [0, 1, 2, 3].map(k => {
+      const v = corners[4 * t + k];
+      return places.get(v) ?? places.set(v, places.size).size - 1;
+    }));
+    const columns = [["tetrahedron", t => tetNumber[t]], ["dihedral", t => least[t]],
+      ["region", t => head.regions[region[t]] ?? 0]].map(([name, of]) => [name, tets.map(of)]);
+    const text = vtk([...places.keys()].map(point), rows, columns);
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text]));
+    link.download = "part.vtk";
+    link.click();
+    document.body.dataset.saved = text.length;
   });
   const pointers = new Map();
   let moved = 0;
@@ -431,6 +444,7 @@
     if (!before) return;
     const dx = event.clientX - before.clientX, dy = event.clientY - before.clientY;
     moved += Math.abs(dx) + Math.abs(dy);
+    state.fit = false;
     if (pointers.size === 2) {
       const [other] = [...pointers.values()].filter(p => p.pointerId !== event.pointerId);
       const apart = p => Math.hypot(p.clientX - other.clientX, p.clientY - other.clientY) || 1;
@@ -461,6 +475,7 @@
   canvas.addEventListener("contextmenu", event => event.preventDefault());
   canvas.addEventListener("wheel", event => {
     event.preventDefault();
+    state.fit = false;
     state.zoom = Math.min(100, Math.max(0.05, state.zoom * Math.exp(-event.deltaY / 600)));
     later();
     writeAddress();
@@ -470,6 +485,7 @@
       ArrowDown: [0, -0.1] }[event.key];
     if (!turn) return;
     event.preventDefault();
+    state.fit = false;
     state.yaw += turn[0];
     state.pitch = Math.min(1.57, Math.max(-1.57, state.pitch + turn[1]));
     later();

@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn a_missing_triangle_is_put_back_and_told() {
         let mut domain = grid(4);
-        let lost = domain.facets.remove(12);
+        let lost = domain.facets.remove(15);
         assert!(domain.prepare(&options(0)).is_err());
         assert!(domain.prepare(&options(2)).is_err());
         let prepared = domain.prepare(&options(3)).unwrap();
