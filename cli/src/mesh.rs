@@ -13,7 +13,7 @@ use crate::outcome::{Exit, Failure, show};
 use crate::page::Scene;
 use crate::parts::{Boundary, Told};
 use crate::pieces::parts_of;
-use crate::progress::{Progress, Stage};
+use crate::progress::{self, Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report, Seconds, quality_json, quality_line};
 use crate::rounds;
 use crate::streams::Source;
@@ -113,6 +113,7 @@ pub(crate) fn mesh_from(
     }
     let source = outputs.formats.input(&args.domain)?;
     let stop = Stop::on_signal()?;
+    progress::plan(&["prepare", "recover", "refine", "hash", "check", "write"]);
     let stage = Stage::begin("prepare");
     let start_with = |refine: &Refine| refine.start(&source);
     let Start { ready, flat_tolerance, field, boundary } =

@@ -22,6 +22,33 @@ static START: OnceLock<Instant> = OnceLock::new();
 /// No bars.
 static HIDDEN: Flag = Flag::new();
 
+/// The stages of a command.
+static PLAN: OnceLock<&'static [&'static str]> = OnceLock::new();
+
+/// Tells which stages there will be, in their order: each says then which it is, of how many.
+pub(crate) fn plan(stages: &'static [&'static str]) {
+    PLAN.get_or_init(|| stages);
+}
+
+/// The name of a stage for people, with its place in the plan.
+fn titled(name: &str, plan: Option<&[&str]>) -> String {
+    let place = plan.and_then(|all| Some((all.iter().position(|own| *own == name)?, all.len())));
+    place.map_or_else(|| name.to_owned(), |(k, n)| format!("{name} ({} of {n})", k + 1))
+}
+
+/// The time that is left, from the pace so far; nothing while that says little.
+fn left(counted: Counted, elapsed: Duration) -> String {
+    let Counted { done, total: Some(total) } = counted else { return String::new() };
+    if done == 0 || done > total || elapsed < TICK {
+        return String::new();
+    }
+    let seconds = elapsed.as_secs_f64() * (total - done) as f64 / done as f64;
+    match seconds.ceil() as u64 {
+        s @ 0..120 => format!(", {s}s left"),
+        s => format!(", {}m left", s.div_ceil(60)),
+    }
+}
+
 /// `--progress`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Show {
@@ -114,9 +141,12 @@ fn spin(name: &str, shown: &Shown) {
         let result = shown.bell.wait_timeout_while(guard, time, |ended| !*ended);
         *result.unwrap_or_else(PoisonError::into_inner).0
     };
-    if wait(patience(START.get_or_init(Instant::now).elapsed())) {
+    let waited = patience(START.get_or_init(Instant::now).elapsed());
+    if wait(waited) {
         return;
     }
+    let (title, start) = (titled(name, PLAN.get().copied()), Instant::now());
+    let name = &title;
     let mut counted = None;
     let mut bar = bar(&template(name, counted), None);
     bar.tick();
@@ -128,6 +158,7 @@ fn spin(name: &str, shown: &Shown) {
                 bar = self::bar(&template(name, now), total);
             }
             bar.set_position(done);
+            bar.set_message(left(Counted { done, total }, start.elapsed() + waited));
             counted = now;
         }
         bar.tick();
@@ -151,7 +182,7 @@ fn template(name: &str, counts: Option<Counted>) -> String {
             format!("{name} {{spinner}} {{human_pos}} points in {{elapsed}}")
         }
         Some(Counted { total: Some(_), .. }) => {
-            format!("{name} {{bar:40}} {{human_pos}} of {{human_len}} points, {{eta}} left")
+            format!("{name} {{bar:40}} {{human_pos}} of {{human_len}} points{{msg}}")
         }
     }
 }
@@ -213,7 +244,7 @@ impl Observer for Progress<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Counted, Flag, PATIENCE, Progress, Stage, patience, template};
+    use super::{Counted, Flag, PATIENCE, Progress, Stage, left, patience, template, titled};
     use ltbw::{Observer as _, Phase};
     use std::sync::Arc;
     use std::time::Duration;
@@ -222,9 +253,28 @@ mod tests {
     fn a_total_that_is_not_known_is_not_told() {
         let of = |total| template("insert", Some(Counted { done: 1, total }));
         let (known, unknown) = (of(Some(1000)), of(None));
-        assert!(known.contains("{human_len}") && known.contains("{eta}"));
-        assert!(!unknown.contains("{human_len}") && !unknown.contains("{eta}"));
+        assert!(known.contains("{human_len}") && known.contains("{msg}"));
+        assert!(!unknown.contains("{human_len}") && !unknown.contains("{msg}"));
         assert!(unknown.contains("{human_pos}") && !template("x", None).contains("{human_pos}"));
+    }
+
+    #[test]
+    fn the_time_left_is_told_from_the_pace() {
+        let at =
+            |done, seconds| left(Counted { done, total: Some(1000) }, Duration::from_secs(seconds));
+        assert_eq!((at(0, 5), at(60, 0)), (String::new(), String::new()), "not `0s left`");
+        assert_eq!((at(60, 6), at(1000, 6)), (", 94s left".into(), ", 0s left".into()));
+        assert_eq!(at(10, 60), ", 99m left");
+    }
+
+    #[test]
+    fn a_stage_tells_its_place_in_the_plan() {
+        let plan: &[&str] = &["read", "insert", "hash"];
+        assert_eq!(titled("insert", Some(plan)), "insert (2 of 3)");
+        assert_eq!(
+            (titled("page", Some(plan)), titled("page", None)),
+            ("page".into(), "page".into())
+        );
     }
 
     #[test]

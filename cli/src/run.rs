@@ -15,7 +15,7 @@ use crate::pieces::part_of;
 use crate::points::{
     ending, finish_unbegun, keep_check, print_mesh, print_thickness, unless_stopped, word_of,
 };
-use crate::progress::{Progress, Stage};
+use crate::progress::{self, Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report};
 use crate::task::{ALONE, Files, Judged, Task};
 use crate::without::{Given, Without};
@@ -90,6 +90,7 @@ pub(crate) fn delaunay(args: &Delaunay, others: Others<'_>) -> Result<Exit, Fail
     if let Some(others) = others {
         return apart::delaunay(others, &source, task);
     }
+    progress::plan(&["read", "order", "insert", "hash", "check", "write"]);
     let stage = Stage::begin("read");
     let file = source.points()?;
     let mut reads = source.reads().list();
