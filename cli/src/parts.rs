@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let all = [0.0, -0.5, 12.0, 1234.567_89, 1e-9, -2e7].map(short);
+        let all = [0.0, -0.5, 12.0, 1_234.567_89, 1e-9, -2e7].map(short);
         assert_eq!(all, ["0", "-0.5", "12", "1234.5679", "1.000e-9", "-2.000e7"]);
     }
 }

@@ -43,7 +43,7 @@ pub struct Failure {
     /// The operating system's number of an error, and the file.
     pub file: Option<(i32, PathBuf)>,
     /// The defects of a domain, the first hundred of each kind.
-    pub defects: Vec<Defect>,
+    pub defects: Box<[Defect]>,
 }
 
 /// A defect of a domain.
@@ -86,7 +86,7 @@ impl Failure {
     /// A failure of no element in particular.
     pub fn new(class: Class, code: &'static str, message: impl ToString) -> Self {
         let (message, ids) = (message.to_string(), Vec::new());
-        Self { class, code, message, ids, file: None, defects: Vec::new() }
+        Self { class, code, message, ids, file: None, defects: Box::default() }
     }
 
     /// The operating system's reason, if it is one of a file.
