@@ -7,7 +7,8 @@ use crate::json::keep_input;
 use crate::outcome::{Failure, show};
 use crate::streams::Source;
 use ltbw::domain::{
-    Domain, DomainReport, Facet, Frame, Holes, LONGEST_LOOP, PrepareError, PrepareOptions, Prepared,
+    Domain, DomainReport, Facet, Frame, Holes, LONGEST_LOOP, PrepareError, PrepareOptions,
+    Prepared, TroubleKind,
 };
 use ltbw::io::{self, DomainFile, WriteOptions};
 use ltbw::refine::{Given, RefineStats, largest_tolerance};
@@ -172,6 +173,9 @@ impl Preparation {
             (self.repair, result.as_ref().err().and_then(PrepareError::report))
         {
             console::people(&format!("note: --repair {tolerance:e} leaves defects"));
+        }
+        if let Some(report) = report {
+            closable(&file.domain, report, &options).iter().for_each(|n| console::people(n));
         }
         let failed = |error| Failure::Domain { path: source.name.clone(), error };
         let ready = result.map_err(failed)?;
@@ -361,4 +365,20 @@ pub(crate) fn repairs_json(ready: &Prepared) -> Value {
         "exterior_points": r.exterior_points,
         "exterior_holes": r.exterior_holes,
     })
+}
+
+/// The line that says which `--fill` would make an open surface sound, found by trying.
+fn closable(domain: &Domain, report: &DomainReport, options: &PrepareOptions) -> Option<String> {
+    let is_open = report.troubles.iter().any(|trouble| trouble.kind == TroubleKind::Open);
+    if !is_open || options.fill > 0 || options.exact_input {
+        return None;
+    }
+    let filled = PrepareOptions { fill: LONGEST_LOOP, strict: false, ..*options };
+    let repairs = domain.prepare(&filled).ok()?.repairs;
+    let most = repairs.filled.iter().max()?;
+    let holes = match repairs.filled.len() {
+        1 => "the hole".to_owned(),
+        n => format!("its {n} holes"),
+    };
+    Some(format!("note: --fill {most} closes {holes}"))
 }

@@ -6,6 +6,7 @@ mod certificate;
 mod common;
 mod domain;
 mod faults;
+mod fill;
 mod lenience;
 mod losses;
 mod mesh;

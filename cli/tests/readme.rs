@@ -58,7 +58,7 @@ fn its_example_commands_are_understood() {
 }
 
 /// The STL of the walk `docs/first-mesh.md`: a cylinder of 48 sides, ends as fans.
-fn cylinder() -> String {
+pub(crate) fn cylinder() -> String {
     let sides = 48;
     let corner = |side: usize, z: f64| {
         let angle = (side % sides) as f64 / sides as f64 * std::f64::consts::TAU;
