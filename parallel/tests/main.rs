@@ -11,6 +11,7 @@ mod refining_angles;
 mod refining_domains;
 mod refining_patches;
 mod refining_rounds;
+mod refining_slivers;
 mod simulate_mesh;
 mod threads;
 mod vertices;

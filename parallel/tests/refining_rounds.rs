@@ -77,7 +77,7 @@ pub(crate) fn one_mesh(
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
     invariants::check_all(engine.mesh()).expect("invariants of the mesh");
     let whole = (&ready.domain, &ready.lattice);
-    // The engine splits slivers.
+    // Where something was refused the engine splits slivers.
     let plain = refiner.min_dihedral(0.0).refine(&ready.domain, &ready.lattice).expect("a mesh");
     for threads in [1, 2, 3, 4, 8] {
         let run = rounds_on_threads(refiner, whole, &Parallel::new(threads)).expect("a run ends");

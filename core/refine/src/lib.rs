@@ -73,7 +73,7 @@ pub use rounds::{InsertOrder, RoundTimes};
 #[doc(hidden)]
 pub use rules::aim::Aim;
 #[doc(hidden)]
-pub use rules::by_values::Survey;
+pub use rules::by_values::{OnBoundary, SliverRuling, Survey};
 #[doc(hidden)]
 pub use rules::choice::{
     BoundaryItem, Closure, Corner, Filled, ItemPlace, NOWHERE, Rank, RankLead, Relabelled, Rival,
@@ -86,6 +86,8 @@ pub use rules::group::Group;
 pub use rules::past::{Past, Refusals};
 #[doc(hidden)]
 pub use rules::record::Refusal;
+#[doc(hidden)]
+pub use rules::sliver::{Tries, Try};
 #[doc(hidden)]
 pub use rules::surveyed::{Collected, Surveyed};
 #[doc(hidden)]

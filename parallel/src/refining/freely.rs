@@ -76,10 +76,21 @@ fn refine<'a, C: Rules, R>(
         parts.push(Part::of(mesh));
     }
     let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
-    let (asked, candidates, thin, stats) = (Vec::new(), 0, None, delegated.stats());
+    let (asked, candidates, stats) = (Vec::new(), 0, delegated.stats());
+    let (thin, slivers) = (None, None);
     let (refused, refused_tets) = (Vec::new(), Vec::new());
-    let handed =
-        Handed { mesh, carriers, regions, asked, refused, refused_tets, candidates, thin, stats };
+    let handed = Handed {
+        mesh,
+        carriers,
+        regions,
+        asked,
+        refused,
+        refused_tets,
+        candidates,
+        thin,
+        slivers,
+        stats,
+    };
     Ok(Refining { refined: delegated.finish(handed)?, splits, owners: Owners(firsts), told })
 }
 

@@ -8,8 +8,6 @@
 //! | `sliver` | flat tetrahedra that the bounds allow |
 
 pub(crate) mod again;
-pub(crate) mod beside;
 pub(crate) mod relief;
 pub(crate) mod sharp;
 pub(crate) mod sliver;
-pub(crate) mod star;

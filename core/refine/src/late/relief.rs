@@ -17,8 +17,6 @@
 //! shallow fold between four vertices on one circle, with both its triangles for sides: any point
 //! in the ball and below the fold divides them, but lies in the balls of these triangles.
 
-use super::sliver::in_unit_ball;
-use super::star::Made;
 use crate::complex::carrier::{Carrier, free_point};
 use crate::complex::dihedral::{DihedralBound, TINY};
 use crate::complex::measure::Shape;
@@ -28,8 +26,11 @@ use crate::mesh::key::sorted;
 use crate::mesh::state::{Place, State};
 use crate::queue::split::Refinement;
 use crate::rules::aim::TOLERANCE;
+use crate::rules::beside::OnItem;
 use crate::rules::bounded::InMesh;
 use crate::rules::record::Refusal;
+use crate::rules::sliver::in_unit_ball;
+use crate::rules::star::{Made, star};
 use crate::rules::verdict::Judge;
 use crate::rules::walk::Way;
 use crate::table::Set;
@@ -200,10 +201,12 @@ impl Refinement<'_> {
                 return true;
             }
         }
-        for item in self.state.beside(t, &centre, tolerance) {
+        for item in self.state.beside(t, free_point(&centre, tolerance)) {
+            let Some(own) = self.state.boundary_item(item) else { continue };
             for k in 0..BESIDE {
-                let place = self.state.place_beside(item, k, &mut seed, t, tolerance);
-                let Some(place) = place else { continue };
+                let place = self.state.plc.place_beside(&own, k, &mut seed, tolerance);
+                let Some(OnItem { point, carrier }) = place else { continue };
+                let place = Place { p: point, carrier, from: t };
                 if self.try_relief(&target, Some(item), &place, left) {
                     return true;
                 }
@@ -233,7 +236,7 @@ impl Refinement<'_> {
         if target.goal == Goal::Angles {
             // Now it is known what dust the point makes, too.
             let closure = InMesh::open(open.owner());
-            let after = Tally::of(closure.star(place, &filling.changes), bounds);
+            let after = Tally::of(star(&closure, place, &filling.changes), bounds);
             if !after.is_better(&before, target.goal) {
                 return false;
             }

@@ -66,7 +66,7 @@ impl State {
     }
 
     /// Some vertices, each with where it lives.
-    fn cornered(&self, v: [VertexId; 4]) -> [(Carrier, Point); 4] {
+    pub(crate) fn cornered(&self, v: [VertexId; 4]) -> [(Carrier, Point); 4] {
         v.map(|v| (self.carriers[v.index()], self.at(v)))
     }
 

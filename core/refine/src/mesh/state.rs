@@ -207,11 +207,6 @@ impl State {
         self.plc.lies_on(carrier, f)
     }
 
-    /// The parameter of a vertex on segment `s`, on which it lies.
-    pub(crate) fn parameter(&self, v: VertexId, s: u32) -> i64 {
-        self.plc.parameter(self.carriers[v.index()], s)
-    }
-
     /// Is an input corner a vertex of a boundary item?
     pub(crate) fn has_corner(&self, item: Item, corner: u32) -> bool {
         has_corner(item, corner, |v| self.carriers[v.index()])

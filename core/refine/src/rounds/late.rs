@@ -5,8 +5,8 @@
 use super::{Class, Next, Rounds};
 use crate::late::again::Asking;
 use crate::late::relief::Goal;
-use crate::late::sliver::Terms;
 use crate::outcome::Sliver;
+use crate::rules::sliver::Terms;
 use crate::thin::Thin;
 use ltbw_core::topology::TetId;
 
@@ -70,6 +70,14 @@ pub(super) struct Late {
     pub(super) thin: Option<Vec<TetId>>,
 }
 
+impl Late {
+    /// Others have begun with slivers, since the steps before had nothing to do, and leave these.
+    pub(super) fn go_on_with(&mut self, slivers: Vec<Thin>) {
+        self.step = STEPS.iter().position(|step| matches!(step, Step::Slivers)).unwrap_or(0);
+        self.slivers = Some(slivers);
+    }
+}
+
 impl Rounds<'_, '_> {
     /// The class of the next round, or relief, when no tetrahedron is left to split; `None` if
     /// nothing is left to do.
@@ -117,14 +125,15 @@ impl Rounds<'_, '_> {
     }
 
     /// The terms on which a point is taken for a sliver; `None` if slivers are not looked for.
-    pub(super) fn terms(&self) -> Option<Terms> {
-        let dihedral = self.own.bounds.as_ref()?.dihedral?;
+    pub(super) fn terms(&self) -> Option<Terms<'_>> {
+        let bounds = self.own.bounds.as_ref()?;
+        let dihedral = bounds.dihedral?;
         Some(match STEPS.get(self.late.step) {
-            Some(Step::Flat(Price::None)) => Terms { dihedral, keeps_bounds: false },
+            Some(Step::Flat(Price::None)) => Terms { bounds, dihedral, keeps_bounds: false },
             Some(Step::Flat(Price::Slivers)) => {
-                Terms { dihedral: dihedral.or_tiny(), keeps_bounds: false }
+                Terms { bounds, dihedral: dihedral.or_tiny(), keeps_bounds: false }
             }
-            _ => Terms { dihedral, keeps_bounds: true },
+            _ => Terms { bounds, dihedral, keeps_bounds: true },
         })
     }
 

@@ -28,6 +28,9 @@ pub(crate) struct Resumed {
     pub(crate) candidates: usize,
     /// If none is over its bounds, those that may have tiny dihedral angles.
     pub(crate) thin: Option<Vec<TetId>>,
+    /// If rounds of slivers have begun, those that are still to be looked at: the late steps before
+    /// found nothing to do.
+    pub(crate) slivers: Option<Vec<TetId>>,
     /// The transactions of joint steps so far.
     pub(crate) spent: usize,
 }
@@ -40,6 +43,12 @@ impl Rounds<'_, '_> {
     pub(crate) fn resume(&mut self, resumed: Resumed) {
         self.front.counted = resumed.candidates;
         self.late.thin = resumed.thin;
+        if let Some(slivers) = resumed.slivers {
+            let vertices = |t: TetId| self.own.state.vertices(t);
+            let mut slivers: Vec<Thin> = slivers.into_iter().map(|t| (t, vertices(t))).collect();
+            slivers.sort_by_cached_key(|&(t, v)| self.own.state.place_of(Item::Tet(t, v)));
+            self.late.go_on_with(slivers);
+        }
         self.own.record.joint_transactions = resumed.spent;
         self.own.record.refused.extend(resumed.refused);
         for Waiting { item, first, near, limit } in resumed.waiting {

@@ -4,21 +4,19 @@
 //! A point is inserted only where no other one is, so that its tetrahedra are those looked at, and
 //! no sliver follows from another.
 
-use super::batch::{Prober, Seen};
+use super::batch::Prober;
 use super::{CHECK_EVERY, Candidate, Look, Rounds};
+use crate::complex::carrier::Carrier;
 use crate::mesh::item::Item;
 use crate::mesh::state::Place;
-use crate::rules::aim::TOLERANCE;
-use crate::rules::verdict::{Filling, Verdict};
+use crate::rules::sliver::{Trial, Tried, Tries, Try};
+use crate::rules::verdict::Filling;
+use crate::rules::walk::Way;
 use crate::thin::Thin;
 use ltbw_core::PredicateStats;
 use ltbw_core::topology::TetId;
 use rayon::prelude::*;
 
-/// Points that serve a sliver, of which the best is taken.
-const ENOUGH: usize = 4;
-/// Points tried on each boundary item beside it.
-const BESIDE: usize = 8;
 /// Slivers that a thread looks at at a time; fewer are not worth another thread.
 const BATCH: usize = if cfg!(test) { 3 } else { 16 };
 
@@ -29,8 +27,6 @@ struct Served {
     place: Place,
     cavity: Vec<TetId>,
     filling: Filling,
-    /// The square of the cosine of its sharpest angle.
-    cos2: f64,
 }
 
 impl Rounds<'_, '_> {
@@ -96,7 +92,7 @@ impl Rounds<'_, '_> {
     }
 
     fn take_served(&mut self, served: Served, rank: u32) {
-        let Served { item, place, cavity, filling, .. } = served;
+        let Served { item, place, cavity, filling } = served;
         let cavity = self.choice.add_cavity(&cavity);
         // One that is alone has nobody to watch.
         let (fits, watch, alone) = (true, None, true);
@@ -106,121 +102,77 @@ impl Rounds<'_, '_> {
         self.reserve_last();
     }
 
-    /// The best of the first points that serve a sliver: inside, else on the boundary, where items
-    /// are beside it or keep points inside away; there at last in the balls of other items.
+    /// The best of the first points that serve a sliver.
     fn serve(&self, t: TetId, prober: &mut Prober) -> Option<Served> {
         let state = &self.own.state;
-        let ball = state.ball_of(t)?;
-        let (mut best, mut barred_by) = (Best::default(), Vec::new());
-        for place in state.places_for(t, &ball) {
-            best.take(self.try_inside(t, place, prober, &mut barred_by));
-            if best.is_enough() {
-                break;
-            }
-        }
-        if best.served.is_some() {
-            return best.served;
-        }
-        let tolerance = ball.radius * TOLERANCE;
-        let mut items = barred_by;
-        items.extend(state.beside(t, &ball.centre, tolerance));
-        state.sort(&mut items);
-        items.dedup();
-        for gives_way in [true, false] {
-            let mut seed = 1;
-            for &item in &items {
-                for k in 0..BESIDE {
-                    let place = state.place_beside(item, k, &mut seed, t, tolerance);
-                    let Some(place) = place else { continue };
-                    let Some(from) = state.holder(t, &place.p) else { continue };
-                    let trial = Trial { item, place: Place { from, ..place }, gives_way };
-                    best.take(self.try_on_boundary(t, trial, prober));
-                    if best.is_enough() {
-                        return best.served;
+        let v = state.vertices(t);
+        let mut tries = Tries::of(v.map(|v| state.at(v)))?;
+        let (mut best, mut items) = (None, Vec::new());
+        // Ends: the number of tries is bounded.
+        loop {
+            let trying = match tries.next(&state.plc) {
+                Try::Inside(p) => match state.way(t, &p) {
+                    Way::Arrived(from) => {
+                        let place = Place { p, carrier: Carrier::Free, from };
+                        Trying { item: Item::Tet(t, v), place, gives_way: true }
                     }
+                    _ => continue,
+                },
+                Try::Look(towards) => {
+                    items.extend(state.beside(t, towards));
+                    state.sort(&mut items);
+                    items.dedup();
+                    let named = items.iter().map(|&item| state.boundary_item(item));
+                    tries.beside(named.collect::<Option<_>>()?);
+                    continue;
                 }
-            }
-            if best.served.is_some() {
-                break;
+                Try::Beside { item, point: p, carrier, gives_way } => {
+                    let Some(from) = state.holder(t, &p) else { continue };
+                    let place = Place { p, carrier, from };
+                    Trying { item: items[item], place, gives_way }
+                }
+                Try::Over => return best,
+            };
+            let served = self.try_point(t, trying, prober, &mut items);
+            if let Some((served, sharpest)) = served
+                && tries.take(sharpest)
+            {
+                best = Some(served);
             }
         }
-        best.served
     }
 
-    /// A point inside for a sliver, if it serves; else `barred_by` is told of the items that keep
-    /// it away.
-    fn try_inside(
+    /// A point for a sliver and its sharpest angle, if it serves; else `barred_by` is told of the
+    /// items that keep it away.
+    fn try_point(
         &self,
         t: TetId,
-        place: Place,
+        trying: Trying,
         prober: &mut Prober,
         barred_by: &mut Vec<Item>,
-    ) -> Option<Served> {
+    ) -> Option<(Served, f64)> {
+        let Trying { item, place, gives_way } = trying;
         let seen = prober.see(&self.own.state, &place, |_| false).ok()?;
-        let filling = match seen.judge(&self.own.record).on_tet(t, &place) {
-            Verdict::Fill(filling) => filling,
-            Verdict::Defer(items) => {
-                barred_by.extend(items);
-                return None;
+        let on = (!matches!(item, Item::Tet(..))).then_some((item, gives_way));
+        let trial = Trial { place: &place, on, has_sliver: seen.tets.contains(&t) };
+        match seen.judge(&self.own.record).serves(&trial, &self.terms()?) {
+            Tried::Serves(filling, sharpest) => {
+                let cavity = seen.tets.to_vec();
+                Some((Served { item, place, cavity, filling }, sharpest))
             }
-            Verdict::Useless | Verdict::Refuse(_) => return None,
-        };
-        let item = Item::Tet(t, self.own.state.vertices(t));
-        self.served(&seen, item, place, filling)
-    }
-
-    /// A point on the boundary for a sliver, if it serves.
-    fn try_on_boundary(&self, t: TetId, trial: Trial, prober: &mut Prober) -> Option<Served> {
-        let Trial { item, place, gives_way } = trial;
-        let seen = prober.see(&self.own.state, &place, |_| false).ok()?;
-        if !seen.tets.contains(&t) {
-            return None;
+            Tried::Barred(items) => {
+                barred_by.extend(items);
+                None
+            }
+            Tried::Fails => None,
         }
-        let judge = seen.judge(&self.own.record);
-        let filling = judge.filling_beside(Some(item), &place, |_| !gives_way)?;
-        self.served(&seen, item, place, filling)
-    }
-
-    /// A point with what comes with it, if its tetrahedra are as they have to be.
-    fn served(
-        &self,
-        seen: &Seen<'_>,
-        item: Item,
-        place: Place,
-        filling: Filling,
-    ) -> Option<Served> {
-        let judge = seen.judge(&self.own.record);
-        let bounds = self.own.bounds.as_ref()?;
-        let cos2 = judge.sharpest_of_star(&place, &filling.changes, bounds, &self.terms()?)?;
-        Some(Served { item, place, cavity: seen.tets.to_vec(), filling, cos2 })
     }
 }
 
-/// A point that is tried on a boundary item.
-struct Trial {
+/// A point that is tried on a boundary item, or inside for the sliver.
+struct Trying {
     item: Item,
     place: Place,
     /// May it lie in no ball of another item?
     gives_way: bool,
-}
-
-/// The best point so far.
-#[derive(Default)]
-struct Best {
-    served: Option<Served>,
-    count: usize,
-}
-
-impl Best {
-    fn take(&mut self, served: Option<Served>) {
-        let Some(served) = served else { return };
-        self.count += 1;
-        if self.served.as_ref().is_none_or(|best| served.cos2 < best.cos2) {
-            self.served = Some(served);
-        }
-    }
-
-    fn is_enough(&self) -> bool {
-        self.count == ENOUGH
-    }
 }

@@ -6,6 +6,7 @@ use super::choice::{BoundaryItem, Corner, Filled, Relabelled, Ruling};
 use super::complex::Complex;
 use super::past::Past;
 use super::record::Record;
+use super::sliver::{Trial, Tried};
 use super::surveyed::Surveyed;
 use super::verdict::{Filling, Judge, Verdict};
 use super::watch::Watch;
@@ -16,6 +17,36 @@ use crate::mesh::survey;
 use crate::table::{edge, triangle};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
+
+/// The corners of a subface that is in no closure here.
+const ELSEWHERE: [VertexId; 3] = [VertexId::new(u32::MAX); 3];
+
+/// A boundary item that a point is tried on for a sliver.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct OnBoundary<'i> {
+    /// The item.
+    pub item: &'i BoundaryItem,
+    /// May the point lie in no ball of another item?
+    pub gives_way: bool,
+}
+
+/// The verdict on a point that is tried for a sliver.
+#[doc(hidden)]
+#[derive(Clone, Debug, PartialEq)]
+pub enum SliverRuling {
+    /// It serves.
+    Serves {
+        /// The changes that come with it.
+        filled: Filled,
+        /// The sharpest angle of its tetrahedra: the square of its cosine.
+        sharpest: f64,
+    },
+    /// These items keep it away.
+    Barred(Vec<BoundaryItem>),
+    /// It does not serve.
+    Fails,
+}
 
 /// The closure of a point, with what is boundary in it and what the point encroaches.
 #[doc(hidden)]
@@ -94,6 +125,30 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         }
         let judge = Judge::new(closure, &self.found, &record);
         self.ruling(judge.on_boundary(own, &self.place, is_on))
+    }
+
+    /// The verdict on a point that is tried for a sliver, which is in its cavity if it `has_sliver`:
+    /// inside, or on a boundary item.
+    pub fn rule_on_sliver(&self, on: Option<OnBoundary<'_>>, has_sliver: bool) -> SliverRuling {
+        let Some(terms) = self.closure.complex.terms() else { return SliverRuling::Fails };
+        let on = match on {
+            None => None,
+            Some(OnBoundary { item, gives_way }) => match self.here(item) {
+                Some(own) => Some((own, gives_way)),
+                // On a patch a point may be somewhere else.
+                None if !item.is_segment() => Some((Item::Subface(ELSEWHERE), gives_way)),
+                None => return SliverRuling::Fails,
+            },
+        };
+        match self.judge().serves(&Trial { place: &self.place, on, has_sliver }, &terms) {
+            Tried::Serves(filling, sharpest) => {
+                SliverRuling::Serves { filled: self.filled(&filling), sharpest }
+            }
+            Tried::Barred(items) => SliverRuling::Barred(
+                items.into_iter().filter_map(|item| self.named(item)).collect(),
+            ),
+            Tried::Fails => SliverRuling::Fails,
+        }
     }
 
     /// Would the point take a subface out of the mesh that may not be split? (At patches others may

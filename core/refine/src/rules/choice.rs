@@ -108,6 +108,16 @@ impl RankLead {
         Self { class: 2, key: Reverse(key) }
     }
 
+    /// That of a sliver: their places decide.
+    pub fn of_sliver() -> Self {
+        Self { class: 3, key: Reverse(1) }
+    }
+
+    /// Is it that of a sliver?
+    pub fn is_sliver(&self) -> bool {
+        self.class == 3
+    }
+
     /// The number by which candidates of one kind are compared before their places: the larger one
     /// comes first. It is not 0.
     pub fn key(&self) -> u64 {
@@ -134,6 +144,12 @@ impl Rank {
     pub fn of_tet(corners: [Point; 4]) -> Self {
         let place = sorted(corners).map(|p| order_key(&p));
         Self { lead: RankLead::of_tet(key_of_tet(corners)), place }
+    }
+
+    /// The rank of a sliver.
+    pub fn of_sliver(corners: [Point; 4]) -> Self {
+        let place = sorted(corners).map(|p| order_key(&p));
+        Self { lead: RankLead::of_sliver(), place }
     }
 
     /// The number of the rank of a tetrahedron with these corners.

@@ -9,12 +9,14 @@
 //! | `verdict`, `plan` | what follows for the point, and for the facets that it lies on |
 //! | `group` | circumspheres that are nearly equal |
 //! | `watch`, `turns` | what keeps points of one round apart, and who of those is chosen |
+//! | `sliver`, `beside`, `star` | which points are tried for a sliver, and which serves |
 //! | `record` | what came of earlier proposals |
 //! | `complex`, `choice` | boundary, points, items and ranks as values |
 //! | `by_values`, `surveyed` | verdicts for a closure of which values are known |
 
 pub(crate) mod aim;
 pub(crate) mod aims;
+pub(crate) mod beside;
 pub(crate) mod bounded;
 pub(crate) mod by_values;
 pub(crate) mod choice;
@@ -25,6 +27,8 @@ pub(crate) mod past;
 pub(crate) mod plan;
 pub(crate) mod record;
 pub(crate) mod related;
+pub(crate) mod sliver;
+pub(crate) mod star;
 pub(crate) mod surveyed;
 pub(crate) mod turns;
 pub(crate) mod verdict;

@@ -106,6 +106,11 @@ enum Anywhere {
 }
 
 impl<T: Copy> Watch<T> {
+    /// That of a point which waits for others anywhere in its closure.
+    pub fn over(closure: Vec<T>) -> Self {
+        Self { any: closure, own: Vec::new(), anywhere: Anywhere::Boundary }
+    }
+
     /// The number of tetrahedra in it.
     pub fn size(&self) -> usize {
         self.any.len() + self.own.len()

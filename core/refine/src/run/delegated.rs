@@ -13,7 +13,7 @@ use crate::mesh::state::{FACE, State};
 use crate::outcome::RefineStats;
 use crate::queue::split::Refinement;
 use crate::rounds::{InsertOrder, Resumed, Rounds, Waiting};
-use crate::rules::choice::{BoundaryItem, Corner, ItemPlace, TetPlace};
+use crate::rules::choice::{BoundaryItem, ItemPlace, TetPlace};
 use crate::rules::complex::{Complex, ComplexError, Start};
 use crate::rules::record::{Record, Refusal};
 use crate::table::{Map, edge, triangle};
@@ -81,6 +81,8 @@ pub struct Handed {
     pub candidates: usize,
     /// If none is over its bounds, the tetrahedra that may have tiny dihedral angles.
     pub thin: Option<Vec<TetId>>,
+    /// If rounds of slivers have begun, those that are still to be looked at.
+    pub slivers: Option<Vec<TetId>>,
     /// The figures of the rounds.
     pub stats: RefineStats,
 }
@@ -230,7 +232,7 @@ impl<'a> Delegated<'a> {
     fn take(&mut self, handed: Handed) -> Result<Resumed, RefineError> {
         let Handed { mesh, carriers, regions, asked, refused, candidates, thin, stats, .. } =
             handed;
-        let refused_tets = handed.refused_tets;
+        let (refused_tets, slivers) = (handed.refused_tets, handed.slivers);
         let unfit = |_| RefineError::Invariant { what: "rounds of others are of a plain domain" };
         let complex = self.run.complex().map_err(unfit)?;
         let own = &mut self.run.refinement;
@@ -259,7 +261,7 @@ impl<'a> Delegated<'a> {
         // Tetrahedra that no point helps have to be refused with their reasons.
         let thin = thin.filter(|_| !complex.has_angles());
         let (waiting, refused) = (waiting.ok_or_else(gone)?, refused.ok_or_else(gone)?);
-        Ok(Resumed { waiting, refused, candidates, thin, spent: self.spent })
+        Ok(Resumed { waiting, refused, candidates, thin, slivers, spent: self.spent })
     }
 
     fn finish_from(mut self, resumed: Option<Resumed>) -> Result<Refined, RefineError> {
@@ -296,22 +298,11 @@ impl State {
 
     /// A boundary item to be split, by its corners.
     fn asked(&self, waiting: Waiting) -> Option<Asked> {
-        let corner =
-            |&v: &VertexId| Corner { point: self.at(v), carrier: self.carriers[v.index()] };
-        let named = |item: Item| match item {
-            Item::Segment(s) => {
-                Some(BoundaryItem::new(&s.each_ref().map(corner), *self.segments.get(&s)?))
-            }
-            Item::Subface(s) => {
-                Some(BoundaryItem::new(&s.each_ref().map(corner), *self.subfaces.get(&s)?))
-            }
-            Item::Tet(..) => None,
-        };
         let first = match waiting.first {
-            Some(first) => Some(named(first)?.place()),
+            Some(first) => Some(self.boundary_item(first)?.place()),
             None => None,
         };
-        Some(Asked { item: named(waiting.item)?, first, limit: waiting.limit })
+        Some(Asked { item: self.boundary_item(waiting.item)?, first, limit: waiting.limit })
     }
 
     /// Numbers all vertices: those that the domain says as there. Counts the others.

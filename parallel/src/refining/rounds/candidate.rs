@@ -186,6 +186,8 @@ pub(super) struct Probe {
     pub(super) start: Option<(TetId, [VertexId; 4])>,
     /// Its turn, if candidates have turns.
     pub(super) turn: Option<Box<Turn>>,
+    /// If its tetrahedron is a sliver: the number among those of the round, and its rank.
+    pub(super) sliver: Option<Box<(usize, Rank)>>,
 }
 
 /// The turn of a candidate.
@@ -214,12 +216,14 @@ impl Probe {
             waits: None,
             start: None,
             turn: None,
+            sliver: None,
         }
     }
 
     /// Its rank.
     pub(super) fn rank(&self) -> LazyRank {
         match &self.what {
+            _ if let Some(own) = &self.sliver => LazyRank::told(own.1),
             What::Tet(_, v) => LazyRank::of_tet(self.lead, *v),
             What::Item(item) => LazyRank::told(item.rank()),
         }

@@ -9,7 +9,7 @@ use crate::protocol::{Rules, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint, WallRegion};
 use crate::refining::news::{DomainNews, WireItem, WireLimit, point, rival, rival_byte};
 use ltbw_core::topology::TetId;
-use ltbw_refine::{BoundaryItem, Filled, Limit};
+use ltbw_refine::{BoundaryItem, Carrier, Filled, Limit};
 
 impl<C: Rules> Rounds<C> {
     /// All cavities are reserved: rivals are told of, and the points chosen that wait for none.
@@ -97,10 +97,10 @@ impl<C: Rules> Rounds<C> {
             What::Tet(t, v) => Some((t, v)),
             What::Item(_) => probe.start,
         };
-        let class = match &probe.what {
-            What::Item(item) if item.is_segment() => 0,
-            What::Item(_) => 1,
-            What::Tet(..) => 2,
+        let class = match probe.carrier {
+            Carrier::Segment(..) => 0,
+            Carrier::Facet(_) => 1,
+            Carrier::Corner(_) | Carrier::Free => 2,
         };
         self.points.by_class[class] += 1;
         self.points.made += 1;

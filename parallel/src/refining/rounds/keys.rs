@@ -83,6 +83,8 @@ pub(super) struct SharedKeys {
     refused: FxHashMap<Own, Refusal>,
     /// The ones among them whose ranks others may know still.
     withdrawn: Vec<Own>,
+    /// Was a tetrahedron over its bounds that splitting does not help?
+    has_helpless: bool,
     /// The memory of lists of the foremost ones, of rounds before.
     foremost: [Vec<Foremost>; 2],
 }
@@ -123,9 +125,10 @@ impl SharedKeys {
             // One that is told of twice has a key already.
             let carrier = |k: usize| mesh.carrier(all.vertices(t)[k]);
             let is_refused = || self.refused.contains_key(&(t, all.vertices(t)));
-            let is_split = !mesh.complex.is_flat(carrier)
-                && !is_beyond_help(mesh, t)
-                && (self.refused.is_empty() || !is_refused());
+            let is_flat = mesh.complex.is_flat(carrier);
+            let is_helpless = !is_flat && is_beyond_help(mesh, t);
+            self.has_helpless |= is_helpless;
+            let is_split = !is_flat && !is_helpless && (self.refused.is_empty() || !is_refused());
             if self.own.at(t) == 0 && is_split {
                 let places = places_of::<C>(mesh, all.vertices(t));
                 self.own.enter(t, Rank::key_of_tet(places));
@@ -211,6 +214,11 @@ impl SharedKeys {
         }
         self.thin.forget_old(|own| mesh.has(own));
         debug_assert!(self.has_all_interface_faces(mesh));
+    }
+
+    /// Is a tetrahedron left over its bounds? It may be that none is.
+    pub(super) fn may_have_over(&self) -> bool {
+        self.has_helpless || !self.refused.is_empty()
     }
 
     /// The tetrahedra that were refused.

@@ -57,6 +57,7 @@ impl<C: Rules> Rounds<C> {
             refused_tets: self.keys.refused(mesh),
             candidates: usize::try_from(self.budget.counted).unwrap_or(0),
             thin: self.keys.thin(mesh),
+            slivers: self.slivers.into_left(mesh),
             ending: self.ending,
             figures: self.figures,
         }

@@ -11,7 +11,7 @@
 //! so that each is known to one, whoever asks for it.
 //!
 //! Work on the whole mesh is left to the engine, which takes over when nothing else is left:
-//! slivers; circles of items that wait for each other; anything that cannot be split.
+//! circles of items that wait for each other; what cannot be split, and slivers after that.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -29,6 +29,7 @@
 //! | `decide` | who is chosen |
 //! | `ruled` | the verdict on a probe's point |
 //! | `contest`, `conduct`, `turns` | turns at patches: by the conductor, and at home |
+//! | `slivers` | when all bounds are met: slivers, and the points that are tried for them |
 //! | `demands` | boundary items to be split, and who waits for whom |
 //! | `refused` | what cannot be split, and who knows |
 //! | `left` | what workers are given, and leave |
@@ -57,6 +58,7 @@ mod refused;
 mod reserved;
 mod ruled;
 mod serve;
+mod slivers;
 mod source;
 mod stages;
 mod tree;
@@ -154,6 +156,8 @@ struct Left {
     candidates: usize,
     /// Its tetrahedra that may have tiny dihedral angles.
     thin: Vec<TetId>,
+    /// If rounds of slivers have begun, those of its tetrahedra that are still to be looked at.
+    slivers: Option<Vec<TetId>>,
     ending: Option<Ending>,
     figures: RoundFigures,
 }
@@ -294,13 +298,18 @@ fn join(
     figures: &mut RoundFigures,
 ) -> Result<All, RefineError> {
     let (mut parts, mut asked, mut all_thin) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut refused, mut all_tets) = (Vec::new(), Vec::new());
+    let (mut refused, mut all_tets, mut all_slivers) = (Vec::new(), Vec::new(), Some(Vec::new()));
     let (mut ending, mut candidates) = (Ending::Done, 0);
     let before_all = [figures.searches, figures.ahead];
     let mut sums = before_all;
     for (part, left) in all {
         let own = left.figures;
         all_thin.push(left.thin);
+        // All have begun with slivers, or none.
+        all_slivers = all_slivers.zip(left.slivers).map(|(mut all, own): (Vec<_>, _)| {
+            all.push(own);
+            all
+        });
         all_tets.push(left.refused_tets);
         asked.extend(left.asked);
         let counts = [own.searches, own.ahead].into_iter().zip(before_all);
@@ -327,14 +336,26 @@ fn join(
         own.into_iter().map(move |(t, why)| (TetId::at(first + t.index()), why))
     });
     let refused_tets = tets.collect();
-    // Workers look at all that they make, and have ended as none was over its bounds.
-    let thin = (ending == Ending::Done).then(|| {
-        let all = firsts.iter().zip(all_thin);
+    let in_whole = |all: Vec<Vec<TetId>>| -> Vec<TetId> {
+        let all = firsts.iter().zip(all);
         all.flat_map(|(first, own)| own.into_iter().map(move |t| TetId::at(first + t.index())))
             .collect()
-    });
-    let handed =
-        Handed { mesh, carriers, regions, asked, refused, refused_tets, candidates, thin, stats };
+    };
+    let slivers = all_slivers.map(in_whole);
+    // Workers look at all that they make, and have ended as none was over its bounds.
+    let thin = (ending == Ending::Done).then(|| in_whole(all_thin));
+    let handed = Handed {
+        mesh,
+        carriers,
+        regions,
+        asked,
+        refused,
+        refused_tets,
+        candidates,
+        thin,
+        slivers,
+        stats,
+    };
     Ok((handed, ending, firsts))
 }
 

@@ -18,7 +18,7 @@ impl<C: Rules> Rounds<C> {
         ProbeId { home: self.me, number }
     }
 
-    fn seeker(&self, number: u32) -> Seeker {
+    pub(super) fn seeker(&self, number: u32) -> Seeker {
         let probe = &self.choice.probes[number as usize];
         let Probe { to, carrier, .. } = *probe;
         Seeker { probe: self.id(number), to, carrier, rank: probe.rank() }
@@ -33,7 +33,10 @@ impl<C: Rules> Rounds<C> {
 
     /// Launches a probe.
     pub(super) fn launch(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
-        let &Probe { ref what, attempt, .. } = &self.choice.probes[k as usize];
+        let &Probe { ref what, attempt, ref sliver, .. } = &self.choice.probes[k as usize];
+        if sliver.is_some() {
+            return self.try_on(mesh, directory, k);
+        }
         if let &What::Tet(t, v) = what
             && attempt == 0
             && self.take_found(mesh, k, (t, v))
@@ -115,7 +118,7 @@ impl<C: Rules> Rounds<C> {
     }
 
     /// Nothing can be done: the rounds end, and others go on.
-    fn give_up(&mut self, mesh: &DomainMesh<'_>, k: u32) {
+    pub(super) fn give_up(&mut self, mesh: &DomainMesh<'_>, k: u32) {
         self.is_irregular = true;
         self.conclude(k, Outcome::Dropped);
         self.report(mesh, k);
@@ -210,7 +213,7 @@ impl<C: Rules> Rounds<C> {
         let found = match self.served.part(probe) {
             // The home knows its own.
             Some(part) if probe.home != self.me => {
-                describe(mesh, &part.order[before..], own.carrier)
+                describe(mesh, &part.order[before..], own.carrier, own.rank.lead.is_sliver())
             }
             _ => WireClosure::default(),
         };
@@ -246,6 +249,7 @@ impl<C: Rules> Rounds<C> {
         probe.open -= 1;
         match end {
             PartEnd::Found => {}
+            end if probe.sliver.is_some() => return self.end_try(mesh, directory, k, end),
             PartEnd::Blocked(item) => return self.conclude_with(mesh, k, &[item.item()]),
             PartEnd::Outside | PartEnd::Vertex => return self.retry(mesh, directory, k),
         }
@@ -307,20 +311,22 @@ impl<C: Rules> Rounds<C> {
 
     /// Adds this worker's part to a closure of which others have told, unless no part of it can be
     /// boundary. Returns whether it may be.
-    fn complete(&mut self, mesh: &DomainMesh<'_>, k: u32) -> bool {
+    pub(super) fn complete(&mut self, mesh: &DomainMesh<'_>, k: u32) -> bool {
         let (me, id) = (self.me, self.id(k));
-        let Probe { ref what, carrier, ref mut told, .. } = self.choice.probes[k as usize];
+        let Probe { ref what, carrier, ref mut told, ref sliver, .. } =
+            self.choice.probes[k as usize];
         let told = told.get_or_insert_default();
         let closure = &told.closure;
         let count = |place: usize| closure.bound(place).into_iter().filter(|on| *on).count();
         let mut cavity = (0..closure.tets.len()).filter(|&place| closure.tets[place].1);
         let is_near = matches!(what, What::Item(_))
+            || sliver.is_some()
             || mesh.complex.has_patches()
             || self.served.cavity(id).any(|t| is_near(mesh, t))
             || cavity.any(|place| count(place) > 1);
         if is_near {
             let all = self.served.part(id).map_or(&[][..], |part| &part.order);
-            told.add(me, &describe(mesh, all, carrier));
+            told.add(me, &describe(mesh, all, carrier, sliver.is_some()));
         }
         is_near
     }
@@ -358,6 +364,9 @@ impl<C: Rules> Rounds<C> {
     /// All of a probe's closure is known: the verdict.
     fn judge(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
         let id = self.id(k);
+        if self.choice.probes[k as usize].sliver.is_some() {
+            return self.judge_try(mesh, directory, k);
+        }
         let (verdict, waits) = match self.served.inside(id).is_empty() {
             true => self.rule_told(mesh, k),
             false => self.rule_here(mesh, k),
@@ -420,7 +429,7 @@ impl<C: Rules> Rounds<C> {
     }
 
     /// A probe reserves nothing after all.
-    fn drop_parts(&mut self, k: u32) {
+    pub(super) fn drop_parts(&mut self, k: u32) {
         let id = self.id(k);
         self.served.drop_part(id);
         // R24.
@@ -432,7 +441,7 @@ impl<C: Rules> Rounds<C> {
     }
 
     /// All owners of a probe's parts are to tell of rivals.
-    fn want_rivals(&mut self, k: u32) {
+    pub(super) fn want_rivals(&mut self, k: u32) {
         let (id, others) = (self.id(k), self.others(k));
         if let Some(told) = &mut self.choice.probes[k as usize].told {
             told.due = others.len() as u32;

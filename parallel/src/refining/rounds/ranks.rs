@@ -34,6 +34,8 @@ impl Parcel {
         let regions = slots.iter().map(region).collect();
         let number = |t: TetId| slots.binary_search(&t).ok().map(TetId::at);
         left.thin = left.thin.into_iter().filter_map(number).collect();
+        let slivers = left.slivers.map(|own| own.into_iter().filter_map(number).collect());
+        left.slivers = slivers;
         let tets = left.refused_tets.into_iter();
         left.refused_tets = tets.filter_map(|(t, why)| Some((number(t)?, why))).collect();
         Self { share, made: part.made, regions, left, stats }

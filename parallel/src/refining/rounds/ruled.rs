@@ -75,7 +75,7 @@ impl Probe {
     ) -> bool {
         let order = here.listed();
         let mut told = Told::default();
-        told.add(here.mesh.me(), &describe(here.mesh, &order, self.carrier));
+        told.add(here.mesh.me(), &describe(here.mesh, &order, self.carrier, false));
         let closure = Collected::of(&told.closure);
         let (by_values, other) = self.rule(here.mesh, &self.survey(here.mesh, &closure), past);
         let sorted = |verdict: &Verdict| match verdict {

@@ -304,21 +304,29 @@ fn told_of(mesh: &DomainMesh<'_>, t: TetId, carrier: Carrier) -> Option<[VertexI
     (v.iter().filter(|&&v| mesh.is_bound(v)).count() >= least).then_some(v)
 }
 
-/// Some tetrahedra of a part, of a point with this carrier, as their home gets to know them.
+/// Some tetrahedra of a part, of a point with this carrier, as their home gets to know them: of
+/// those of a sliver's point all is told.
 pub(super) fn describe(
     mesh: &DomainMesh<'_>,
     tets: &[(TetId, bool)],
     carrier: Carrier,
+    is_sliver: bool,
 ) -> WireClosure {
     let tets_told = Vec::with_capacity(tets.len());
     let mut found = WireClosure { tets: tets_told, ..WireClosure::default() };
-    if mesh.complex.has_patches() {
+    if mesh.complex.has_patches() || is_sliver {
         found.regions.extend(tets.iter().map(|&(t, _)| mesh.region(t)));
+    }
+    if mesh.complex.has_patches() {
         found.slots.extend(tets.iter().map(|&(t, _)| t));
     }
     let mut places: FxHashMap<VertexId, u32> = FxHashMap::default();
     for &(t, is_in) in tets {
-        let v = told_of(mesh, t, carrier).unwrap_or([INFINITE; 4]).map(|v| match v {
+        let v = match is_sliver {
+            true => mesh.inner.tets().vertices(t),
+            false => told_of(mesh, t, carrier).unwrap_or([INFINITE; 4]),
+        };
+        let v = v.map(|v| match v {
             INFINITE => INFINITE_CORNER,
             v => *places.entry(v).or_insert_with(|| {
                 found.corners.push(WireCorner::new(&mesh.corner(v)));

@@ -7,6 +7,7 @@ use super::found::Ahead;
 use super::keys::{Foremost, SharedKeys};
 use super::mail::Mail;
 use super::serve::Served;
+use super::slivers::Slivers;
 use super::tree::Tree;
 use super::under_way::Counts;
 pub(super) use super::under_way::Stage;
@@ -151,6 +152,7 @@ pub struct Rounds<C = Correct> {
     pub(super) choice: Choice,
     pub(super) points: Points,
     pub(super) demands: Demands,
+    pub(super) slivers: Slivers,
     pub(super) conductor: Conductor,
     pub(super) counts: Counts,
     pub(super) mail: Mail,
@@ -191,6 +193,7 @@ impl<C: Rules> Rounds<C> {
             choice: Choice::default(),
             points: Points::default(),
             demands: Demands::default(),
+            slivers: Slivers::default(),
             conductor: Conductor::default(),
             counts: Counts::default(),
             mail: Mail::default(),

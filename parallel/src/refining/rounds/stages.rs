@@ -15,7 +15,7 @@
 //! sends any more once he has said so, one wave with equal counts will do; operations lead to
 //! others, so it takes two waves that are equal.
 
-use super::candidate::What;
+use super::candidate::{Probe, What};
 use super::demands::Settled;
 use super::keys::Foremost;
 use super::source::{Ending, Rounds, Stage};
@@ -37,6 +37,7 @@ const CANDIDATES: usize = 5;
 const CANCELLED: usize = 5;
 const CHOSEN: [usize; 3] = [6, 7, 8];
 const NEWS: usize = 9;
+const REFUSED: usize = 9;
 
 /// The numbers of values along a Hilbert curve through their places. (Nothing is done on other
 /// threads: these have workers of their own.)
@@ -146,6 +147,7 @@ impl<C: Rules> Rounds<C> {
                 sums[FOREMOST] = self.choice.foremost.unwrap_or(0);
                 sums[OPEN] = self.counts.notes;
                 sums[IRREGULAR] = i64::from(self.is_irregular);
+                sums[REFUSED] = i64::from(self.has_refused());
             }
             Stage::Inserting => {
                 sums[SENT] = standing.sent as i64;
@@ -211,9 +213,20 @@ impl<C: Rules> Rounds<C> {
             return self.end(Ending::Budget);
         }
         self.count(sums);
-        if is_done {
-            return self.end(Ending::Done);
+        match (is_done, self.slivers.has_begun()) {
+            // What was refused takes late steps before, of the engine.
+            (true, false) if sums[REFUSED] == 0 && mesh.complex.splits_slivers() => {
+                return self.begin_slivers(mesh);
+            }
+            (true, begun) => {
+                if begun {
+                    self.slivers.end();
+                }
+                return self.end(Ending::Done);
+            }
+            (false, _) => {}
         }
+        self.slivers.carry_out();
         self.begin_to_decide(mesh);
         self.end_decisions();
     }
@@ -225,9 +238,13 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// All know how many foremost tetrahedra there are in this round: is nothing left?
+    /// All know how many foremost tetrahedra there are in this round, or how many slivers that a
+    /// point serves: is nothing left?
     fn is_done(&self, sums: &Sums) -> bool {
-        !self.choice.has_boundary && sums[FOREMOST] == 0
+        match self.slivers.has_begun() {
+            true => sums[CANDIDATES] == 0,
+            false => !self.choice.has_boundary && sums[FOREMOST] == 0,
+        }
     }
 
     /// All know what there is to split: this round's probes are made.
@@ -244,6 +261,9 @@ impl<C: Rules> Rounds<C> {
         }
         if !has_boundary && sums[WAITING] > 0 {
             return self.end(Ending::Circles);
+        }
+        if self.slivers.has_begun() {
+            return self.choose_slivers(mesh);
         }
         self.stage = Stage::Choosing;
         self.choice.fits = 0;
@@ -292,7 +312,8 @@ impl<C: Rules> Rounds<C> {
     /// If all is decided, insertion begins.
     pub(super) fn end_decisions(&mut self) {
         if self.stage == Stage::Deciding && self.choice.open == 0 {
-            for probe in self.choice.probes.iter().filter(|probe| probe.was_searched) {
+            let is_counted = |probe: &&Probe| probe.was_searched && probe.sliver.is_none();
+            for probe in self.choice.probes.iter().filter(is_counted) {
                 self.figures.searches += 1;
                 self.figures.ahead += u64::from(probe.is_ahead);
             }

@@ -1,9 +1,9 @@
 //! The tetrahedra that a point would make.
 
+use super::bounded::{Bounded, InMesh};
 use crate::complex::carrier::Carrier;
 use crate::mesh::facet::Change;
 use crate::mesh::state::{FACE, Place};
-use crate::rules::bounded::{Bounded, InMesh};
 use crate::table::{Map, triangle};
 use ltbw_core::topology::{INFINITE, TetId};
 use ltbw_exact::Point;
@@ -14,25 +14,28 @@ pub(crate) struct Made {
     pub(crate) region: u32,
 }
 
-impl InMesh<'_> {
-    /// The tetrahedra of the domain that a point in this closure would make, with these changes of
-    /// the boundary.
-    pub(crate) fn star<'p>(
-        &'p self,
-        place: &'p Place,
-        changes: &'p [Change],
-    ) -> impl Iterator<Item = Made> + 'p {
-        let relabelled: Map<_, _> = changes.iter().flat_map(|c| c.relabelled.clone()).collect();
-        self.walls().filter_map(move |(t, slot)| {
-            let v = self.state.vertices(t);
-            let [a, b, c] = FACE[slot].map(|k| v[k]);
-            let label = || relabelled.get(&triangle(a, b, c)).copied();
-            let region = label().unwrap_or_else(|| self.state.marks.region(t));
-            (region != 0 && ![a, b, c].contains(&INFINITE))
-                .then(|| self.made(t, slot, place, region))
+/// The tetrahedra of the domain that a point in a closure would make, with these changes of the
+/// boundary.
+pub(crate) fn star<'p, B: Bounded>(
+    closure: &'p B,
+    place: &'p Place,
+    changes: &'p [Change],
+) -> impl Iterator<Item = Made> + 'p {
+    let relabelled: Map<_, _> = changes.iter().flat_map(|c| c.relabelled.clone()).collect();
+    closure.walls().filter_map(move |(t, slot)| {
+        let v = closure.vertices(t);
+        let [a, b, c] = FACE[slot].map(|k| v[k]);
+        let label = || relabelled.get(&triangle(a, b, c)).copied();
+        let region = label().unwrap_or_else(|| closure.region(t));
+        let is_made = region != 0 && ![a, b, c].contains(&INFINITE);
+        is_made.then(|| {
+            let corner = |k: usize| if k == slot { place.p } else { closure.at(v[k]) };
+            Made { corners: [0, 1, 2, 3].map(corner), region }
         })
-    }
+    })
+}
 
+impl InMesh<'_> {
     /// The star as far as it is known before the changes are, for a point that is to split
     /// tetrahedron `target`: dust that a point inside takes is inside then, too; what the point of
     /// a patch leaves on it is not told.
