@@ -14,15 +14,17 @@
 mod array;
 mod blocks;
 mod cells;
+mod field;
 mod write;
 
-use super::MeshFile;
 use super::error::{ParseError, Reason, excerpt};
 use super::scalar::Scalar;
 use super::text::{Tokens, count, float, integer};
 use super::xml::{attribute, each_event, expect_kind, malformed};
+use super::{MeshFile, PointField};
 use array::{Layout, Stream};
 pub(crate) use cells::{Grid, append};
+use field::Asked;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 pub use write::{write, write_with};
@@ -54,6 +56,7 @@ enum Wanted {
     Regions,
     Markers,
     Attributes,
+    Field,
 }
 
 /// A piece of a grid as the file tells it, before it is checked.
@@ -71,6 +74,7 @@ pub(crate) struct Piece {
     pub(crate) regions: Option<Vec<i64>>,
     pub(crate) markers: Option<Vec<i64>>,
     pub(crate) attributes: Option<Vec<f64>>,
+    pub(crate) field: Option<Vec<f64>>,
 }
 
 /// The values of an array of a piece.
@@ -84,6 +88,7 @@ impl Piece {
         List::Integers(match wanted {
             Wanted::Points => return List::Floats(&mut self.coordinates),
             Wanted::Attributes => return List::Floats(self.attributes.get_or_insert_default()),
+            Wanted::Field => return List::Floats(self.field.get_or_insert_default()),
             Wanted::Connectivity => &mut self.connectivity,
             Wanted::Offsets => &mut self.offsets,
             Wanted::Types => &mut self.types,
@@ -124,6 +129,8 @@ struct State<'a> {
     /// The array that is being read, if it is one that is wanted.
     wanted: Option<(Wanted, Storage)>,
     grid: Grid,
+    /// The field of points that is asked for.
+    field: Option<Asked>,
     other_arrays: bool,
     /// Bytes that compressed data may still become.
     room: u64,
@@ -131,6 +138,30 @@ struct State<'a> {
 
 /// Reads a `.vtu` file.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let state = parsed(bytes, None)?;
+    let mut notes = Vec::new();
+    if state.other_arrays {
+        notes.push(OTHER_ARRAYS.into());
+    }
+    let (mesh, more) = state.grid.finish();
+    notes.extend(more);
+    Ok(MeshFile { mesh, notes, names: Vec::new() })
+}
+
+/// Reads a `.vtu` file with an array of its points, one number each, by its name; without a name
+/// the only such array of floats.
+///
+/// # Errors
+/// As [`read`]; no such array, or without a name several.
+pub fn read_field(bytes: &[u8], name: Option<&str>) -> Result<PointField, ParseError> {
+    let mut state = parsed(bytes, Some(Asked::new(name)))?;
+    let values = state.grid.field.take();
+    let values = values.ok_or_else(|| ParseError::at(bytes, 0, field::missing(name)))?;
+    Ok(PointField { mesh: state.grid.finish().0, values })
+}
+
+/// All that is read of a `.vtu` file.
+fn parsed(bytes: &[u8], field: Option<Asked>) -> Result<State<'_>, ParseError> {
     // Appended data need not be text, and what is in it is no XML.
     let head = find(bytes, b"<AppendedData").unwrap_or(bytes.len());
     let appended = match head {
@@ -145,6 +176,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         piece: None,
         wanted: None,
         grid: Grid::default(),
+        field,
         other_arrays: false,
         room: (bytes.len() as u64).saturating_mul(LARGEST_RATIO).saturating_add(SMALL),
     };
@@ -174,13 +206,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         let text = "the file ends before the end of a VTKFile element";
         return Err(ParseError::at(bytes, bytes.len(), Reason::Syntax(text.into())));
     }
-    let mut notes = Vec::new();
-    if state.other_arrays {
-        notes.push(OTHER_ARRAYS.into());
-    }
-    let (mesh, more) = state.grid.finish();
-    notes.extend(more);
-    Ok(MeshFile { mesh, notes, names: Vec::new() })
+    Ok(state)
 }
 
 /// The offset of the first `word`, which starts with `<`, in `bytes`.
@@ -260,6 +286,9 @@ impl State<'_> {
                 self.wanted = None;
                 let array = attribute(element, "Name")?.unwrap_or_default();
                 let wanted = match (section, array.as_str()) {
+                    ("PointData", own) if Asked::is(&mut self.field, own, element)? => {
+                        Wanted::Field
+                    }
                     ("Points", _) => Wanted::Points,
                     ("Cells", "connectivity") => Wanted::Connectivity,
                     ("Cells", "offsets") => Wanted::Offsets,
@@ -299,6 +328,7 @@ impl State<'_> {
             Wanted::Regions => piece.regions.replace(Vec::new()).is_none(),
             Wanted::Markers => piece.markers.replace(Vec::new()).is_none(),
             Wanted::Attributes => piece.attributes.replace(Vec::new()).is_none(),
+            Wanted::Field => piece.field.replace(Vec::new()).is_none(),
         };
         if !fresh {
             return Err(Reason::Syntax("the same array twice in a piece".into()));
