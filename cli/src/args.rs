@@ -7,9 +7,11 @@ use crate::numbers::whole;
 use crate::parts::Parting;
 use crate::progress::Show;
 use crate::simulate::Simulate;
+use crate::sizes::Sizes;
 use crate::streams::Streams;
 use crate::surface::Preparation;
 use crate::workers::Mode;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use ltbw::points::MAX_POINTS;
 use std::path::PathBuf;
@@ -33,6 +35,7 @@ Examples:
   ltbw refine mesh.vtu --max-volume 1e-5 -o finer.vtu
   ltbw refine mesh.msh --sizes error.mtr -o finer.msh      edge lengths at the mesh's vertices
   ltbw refine mesh.ele --mark large.txt -o finer.ele       half the volume where it names cells
+  ltbw refine mesh.vtu --sizes solution.vtu:h -o new.vtu   those that an array of points has
   ltbw refine mesh.vtu --plc domain.poly --size 0.1        with the domain that it is a mesh of
   ltbw refine anybodys.vtu --delaunay -o mesh.vtu          its vertices and its boundary
 
@@ -293,11 +296,11 @@ pub(crate) struct MeshArgs {
     /// Largest edge length: no volume above that of the regular tetrahedron with such edges
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_negative_numbers = true)]
     pub(crate) size: Option<f64>,
-    /// Edge lengths at the domain's vertices: TetGen's .mtr file
+    /// Edge lengths at the domain's vertices: .mtr; or .vtu:NAME, at those of the mesh in it
     ///
-    /// They are linear in between. A header `COUNT 1`, then a length for each vertex.
-    #[arg(long, value_name = "MTR")]
-    pub(crate) sizes: Option<PathBuf>,
+    /// They are linear in between. TetGen's .mtr: `COUNT 1`, then a length for each vertex.
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().map(Sizes::of))]
+    pub(crate) sizes: Option<Sizes>,
     /// The mesh that --sizes is about, not the domain's vertices
     #[arg(long, value_name = "MESH", requires = "sizes")]
     #[arg(hide_short_help = true)]

@@ -4,6 +4,7 @@ use crate::args::MeshArgs;
 use crate::binding::{Binding, Chosen, Reads, Role, read_beside};
 use crate::console;
 use crate::outcome::{Failure, show};
+use crate::sizes::Given;
 use crate::workers::Mode;
 use ltbw::domain::Prepared;
 use ltbw::refine::{Background, BackgroundError, Refiner};
@@ -40,7 +41,8 @@ impl Asked {
 pub(crate) type Field = Box<dyn Fn(Point) -> f64 + Sync>;
 
 /// The sizing field of the command line, if it asks for one; the files that it is read from go to
-/// `reads`. Sizes are those at the vertices of the mesh that is gone on with, if one is.
+/// `reads`. Sizes are those at the vertices of the mesh that is gone on with, if one is; else those
+/// of a solution are at the points of its own mesh.
 pub(crate) fn field(
     args: &MeshArgs,
     ready: &Prepared,
@@ -48,17 +50,18 @@ pub(crate) fn field(
     own: Option<&TetMesh>,
 ) -> Result<Option<Field>, Failure> {
     let constant = args.size.unwrap_or(f64::INFINITY);
-    let Some(path) = &args.sizes else {
+    let Some(asked) = &args.sizes else {
         return Ok(args.size.map(|_| -> Field { Box::new(move |_| constant) }));
     };
-    let sizes = read_beside(reads, Role::Sizes, path, |path, load| io::read_sizes_by(path, load))?;
+    let Given { sizes, on } = asked.read(reads)?;
+    let path = &asked.file;
     let failed = |error| match error {
         BackgroundError::Count { .. } if own.is_some() => {
             Failure::Usage(format!("--sizes {}: {error}", show(path)))
         }
         error => Failure::Sizes { path: path.clone(), error },
     };
-    let background = match (&args.background, own) {
+    let background = match (&args.background, own.or(on.as_ref())) {
         (Some(mesh), _) => {
             let read = |path: &Path, load: &mut io::Load<'_>| io::read_mesh_by(path, load);
             let file = read_beside(reads, Role::Background, mesh, read)?;
@@ -68,10 +71,8 @@ pub(crate) fn field(
         (None, None) => Background::at_vertices(ready, &sizes).map_err(failed)?,
     };
     // A background mesh is in the coordinates of the file, the domain perhaps in those of a frame.
-    let offset = match args.background.is_some() || own.is_some() {
-        true => ready.lattice.offset(),
-        false => [0.0; 3],
-    };
+    let is_of_file = args.background.is_some() || own.is_some() || on.is_some();
+    let offset = if is_of_file { ready.lattice.offset() } else { [0.0; 3] };
     Ok(Some(Box::new(move |p| background.at([0, 1, 2].map(|k| p[k] + offset[k])).min(constant))))
 }
 
@@ -180,6 +181,7 @@ pub(crate) fn binding(
         .number("repair", preparation.repair)
         .number("simplify", preparation.simplify)
         .with("fill", preparation.fill)
+        .with("sizes_field", args.sizes.as_ref().and_then(|sizes| sizes.field.as_ref()))
         .flag("exact_input", preparation.exact_input)
         .flag("local_frame", preparation.local_frame)
         .flag("own_frame", preparation.own_frame)
@@ -207,7 +209,8 @@ mod tests {
 
     #[test]
     fn bounds_come_from_options_or_from_tetgens_switches() {
-        let both = |q, a| Asked { radius_edge: q, min_dihedral: 8.0, max_volume: a, size: None };
+        let both =
+            |q, a| Asked { radius_edge: q, min_dihedral: 8.0, max_volume: a, ..Asked::default() };
         assert_eq!(asked_by(&[]).expect("bounds"), both(Some(2.0), None));
         let cases = [
             ("pq1.4a0.1", both(Some(1.4), Some(0.1))),

@@ -14,6 +14,7 @@
 //! | `elements` | what `check` tells of a mesh beside its defects |
 //! | `orient` | the orientation of tetrahedra in `convert` |
 //! | `bounds` | what a mesh of a domain is asked for: bounds and sizes |
+//! | `sizes` | the file that `--sizes` names |
 //! | `page` | a page of HTML about a mesh |
 //! | `conform` | `check --plc` |
 //! | `surface` | how a domain is prepared: repairs, and the surface of what is wrong |
@@ -89,6 +90,7 @@ mod report;
 mod rounds;
 mod run;
 mod simulate;
+mod sizes;
 #[cfg(feature = "wire")]
 mod slices;
 mod streams;

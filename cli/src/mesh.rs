@@ -93,7 +93,7 @@ pub(crate) fn mesh_from(
     // A `.poly` may have its points in a `.node`.
     let mut inputs =
         going_on.map_or_else(|| io::domain_files(&args.domain), |refine| refine.inputs());
-    inputs.extend(args.sizes.clone());
+    inputs.extend(args.sizes.iter().map(|sizes| sizes.file.clone()));
     inputs.extend(args.preparation.points.clone());
     inputs.extend(args.background.iter().flat_map(io::mesh_files));
     let beside =

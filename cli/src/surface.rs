@@ -229,22 +229,7 @@ impl Preparation {
 
 /// The points that are vertices, too, in a line.
 pub(crate) fn given(ready: &Prepared) -> Option<String> {
-    let (placed, count) = (&ready.placed, ready.domain.points.len());
-    if count + placed.doubled == 0 {
-        return None;
-    }
-    let inside = count - placed.on_edges - placed.on_facets;
-    let mut line = format!(
-        "given     {count} points: {inside} inside, {} on facets, {} on edges",
-        placed.on_facets, placed.on_edges
-    );
-    if placed.doubled > 0 {
-        line += &format!("; {} are at a vertex, or given twice", placed.doubled);
-    }
-    if placed.farthest > 0.0 {
-        line += &format!("; the farthest was moved by {:.3e}", placed.farthest);
-    }
-    Some(line)
+    ready.given().map(|text| format!("given     {text}"))
 }
 
 /// The points that are vertices, too, for the report.

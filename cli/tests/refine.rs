@@ -69,6 +69,55 @@ fn what_is_no_mesh_or_no_size_is_refused() {
     assert!(refused.error().contains("no tetrahedra"), "{}", refused.stderr);
 }
 
+/// A `.vtu` as text with an array of lengths at its points: those of a linear function.
+fn with_solution(dir: &Path, from: &str, to: &str, names: &[&str]) {
+    run(dir, &["convert", from, "ascii.vtu", "--ascii"], 0);
+    let text = std::fs::read_to_string(dir.join("ascii.vtu")).unwrap();
+    let points = ltbw::io::read_mesh(dir.join(from)).unwrap().points;
+    let values: Vec<String> = points.iter().map(|p| format!("{}", 0.12 + 0.1 * p[0])).collect();
+    let array = |name: &&str| {
+        let head = format!("<DataArray type=\"Float64\" Name=\"{name}\" format=\"ascii\">");
+        format!("{head}{}</DataArray>", values.join(" "))
+    };
+    let arrays: Vec<String> = names.iter().map(array).collect();
+    let section = format!("<PointData>{}</PointData>\n<Points>", arrays.concat());
+    assert_eq!(text.matches("<Points>").count(), 1);
+    std::fs::write(dir.join(to), text.replace("<Points>", &section)).unwrap();
+}
+
+#[test]
+fn sizes_are_those_of_a_solution() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    model(dir);
+    with_solution(dir, "m.vtu", "s.vtu", &["h"]);
+    with_solution(dir, "m.vtu", "two.vtu", &["error", "h"]);
+    let points = ltbw::io::read_mesh(dir.join("m.vtu")).unwrap().points;
+    let lines: Vec<String> = points.iter().map(|p| format!("{}\n", 0.12 + 0.1 * p[0])).collect();
+    std::fs::write(dir.join("s.mtr"), format!("{} 1\n{}", lines.len(), lines.concat())).unwrap();
+    // Of a mesh that is gone on with, and of a domain that is meshed anew.
+    let refine = |sizes: &str| hash(&run(dir, &["refine", "m.vtu", "--sizes", sizes], 0).stdout);
+    let expected = refine("s.mtr");
+    assert_eq!(["s.vtu", "s.vtu:h", "two.vtu:h"].map(refine), [(); 3].map(|()| expected.clone()));
+    let mesh = |args: &[&str]| hash(&run(dir, &[&["mesh", "d.poly"], args].concat(), 0).stdout);
+    let fresh = mesh(&["--sizes", "s.mtr", "--background", "m.vtu"]);
+    assert_eq!(mesh(&["--sizes", "two.vtu:h", "--json", "r.json"]), fresh);
+    let options = &read_json(dir.join("r.json"))["certificate"]["binding"]["options"];
+    assert_eq!(options["sizes_field"], "h");
+    for (args, code, told) in [
+        (["refine", "m.vtu", "--sizes", "two.vtu"], 3, "one has to be named"),
+        (["refine", "m.vtu", "--sizes", "s.vtu:g"], 3, "points without the array `g`"),
+        (["refine", "f.ele", "--sizes", "s.vtu"], 2, "sizes for"),
+        (["mesh", "d.poly", "--sizes", "m.vtu"], 3, "points without an array of floats"),
+    ] {
+        if args[1] == "f.ele" {
+            run(dir, &["mesh", "d.poly", "-o", "f.ele"], 0);
+        }
+        let refused = run(dir, &args, code);
+        assert!(refused.error().contains(told), "{args:?}: {}", refused.stderr);
+    }
+}
+
 #[test]
 fn points_given_to_a_domain_are_vertices() {
     let dir = tempfile::tempdir().unwrap();

@@ -9,6 +9,7 @@ mod limit;
 mod ownership;
 mod refining_angles;
 mod refining_domains;
+mod refining_given;
 mod refining_patches;
 mod refining_rounds;
 mod refining_slivers;

@@ -106,6 +106,27 @@ impl Prepared {
         notes.extend(nested(&self.report));
         notes
     }
+
+    /// The points that are vertices, too, in a line; none if none were given.
+    #[must_use]
+    pub fn given(&self) -> Option<String> {
+        let (placed, count) = (&self.placed, self.domain.points.len());
+        if count + placed.doubled == 0 {
+            return None;
+        }
+        let inside = count - placed.on_edges - placed.on_facets;
+        let mut line = format!(
+            "{count} points: {inside} inside, {} on facets, {} on edges",
+            placed.on_facets, placed.on_edges
+        );
+        if placed.doubled > 0 {
+            line += &format!("; {} are at a vertex, or given twice", placed.doubled);
+        }
+        if placed.farthest > 0.0 {
+            line += &format!("; the farthest was moved by {:.3e}", placed.farthest);
+        }
+        Some(line)
+    }
 }
 
 impl Prepared {

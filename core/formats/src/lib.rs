@@ -113,6 +113,15 @@ pub struct MeshFile {
     pub notes: Vec<String>,
 }
 
+/// A mesh with a number at each of its points: the field of a solution.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PointField {
+    /// The mesh.
+    pub mesh: TetMesh,
+    /// The numbers, in the order of its points.
+    pub values: Vec<f64>,
+}
+
 /// The name of a group of tetrahedra or of boundary triangles, or of facets.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GroupName {
@@ -200,6 +209,17 @@ pub fn read_sizes(path: impl AsRef<Path>) -> Result<Vec<f64>, IoError> {
 pub fn read_sizes_by(path: impl AsRef<Path>, load: &mut Load<'_>) -> Result<Vec<f64>, IoError> {
     let path = path.as_ref();
     tetgen::read_mtr(&load(path)?).map_err(|error| parse_error(path, error))
+}
+
+/// Reads a mesh with an array of its points: a `.vtu` file, with bytes that `load` gives. Without a
+/// name its only array of points with one float each.
+pub fn read_field_by(
+    path: impl AsRef<Path>,
+    name: Option<&str>,
+    load: &mut Load<'_>,
+) -> Result<PointField, IoError> {
+    let path = path.as_ref();
+    vtu::read_field(&load(path)?, name).map_err(|error| parse_error(path, error))
 }
 
 fn read_pair(path: &Path, load: &mut Load<'_>) -> Result<MeshFile, IoError> {

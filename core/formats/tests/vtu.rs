@@ -240,3 +240,52 @@ fn figures_and_boundary_leave_the_mesh_as_it_is() {
     assert_eq!(array("attribute"), "70 90.5 70 90.5");
     assert_eq!(array("volume"), "0.25 inf 0.25 inf");
 }
+
+/// A tetrahedron with arrays of points.
+fn with_arrays(arrays: &str) -> String {
+    format!(
+        "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>\n\
+         <Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\n<PointData>{arrays}</PointData>\n\
+         <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\
+         0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>\n<Cells>\
+         <DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray>\
+         <DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray>\
+         <DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray></Cells>\n\
+         </Piece></UnstructuredGrid></VTKFile>\n"
+    )
+}
+
+#[test]
+fn a_field_of_the_points_is_read_by_its_name() {
+    let array = |name: &str, more: &str, values: &str| {
+        format!("<DataArray Name=\"{name}\" format=\"ascii\" {more}>{values}</DataArray>")
+    };
+    let float = "type=\"Float32\" NumberOfComponents=\"1\"";
+    let vector = "type=\"Float64\" NumberOfComponents=\"2\"";
+    let whole = "type=\"Int32\"";
+    let one = array("size", float, "1 0.5 3 4") + &array("way", vector, "1 2 3 4 5 6 7 8");
+    let other = array("number", whole, "4 3 2 1") + &array("tag", whole, "0 0 0 1");
+    let text = with_arrays(&(one.clone() + &other));
+    let read = |text: &str, name: Option<&str>| vtu::read_field(text.as_bytes(), name);
+    for (name, values) in [
+        (None, [1.0, 0.5, 3.0, 4.0]),
+        (Some("size"), [1.0, 0.5, 3.0, 4.0]),
+        (Some("number"), [4.0, 3.0, 2.0, 1.0]),
+    ] {
+        let found = read(&text, name).expect("a field");
+        assert_eq!((found.values, found.mesh.tets.len()), (values.to_vec(), 1), "{name:?}");
+    }
+    let says = |text: &str, name| read(text, name).expect_err("no field").to_string();
+    assert!(says(&text, Some("way")).contains("the array `way` has 2 numbers for each point"));
+    assert!(says(&text, Some("sizes")).contains("points without the array `sizes`"));
+    assert!(says(&with_arrays(&other), None).contains("points without an array of floats"));
+    let several = with_arrays(&(one.clone() + &array("error", float, "1 1 1 1")));
+    assert!(says(&several, None).contains("the arrays `size` and `error` of points"));
+    assert_eq!(read(&several, Some("error")).expect("a field").values, [1.0; 4]);
+    for values in ["1 2 3", "1 2 3 4 5"] {
+        assert!(read(&with_arrays(&array("size", float, values)), None).is_err(), "{values}");
+    }
+    assert!(read(&with_arrays(&array("size", float, "1 2 nan 4")), None).is_err());
+    // Whoever asks for no field reads the mesh as before.
+    assert_eq!(vtu::read(several.as_bytes()).expect("a mesh").mesh.tets, [[0, 1, 2, 3]]);
+}

@@ -1,19 +1,20 @@
 //! Points given in a domain: vertices of its mesh, inside, on facets, on segments.
 
-use ltbw_core::{Point, Random, canonical_hash};
+use ltbw_core::{Point, canonical_hash};
 use ltbw_domain::exterior::LEFT_OUT;
 use ltbw_domain::{Domain, PrepareOptions, Prepared};
+use ltbw_generate::scattered::scattered;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_refine::{RefineOutcome, Refined, Refiner};
 use ltbw_verify::{Conformity, ConformityDefect, Limits, Mesh, Options, Plc, PlcFacet, conforms};
 use std::collections::HashSet;
 
-fn prepared(domain: &Domain) -> Prepared {
+pub(crate) fn prepared(domain: &Domain) -> Prepared {
     domain.prepare(&PrepareOptions::default()).expect("a sound domain")
 }
 
 /// A domain as the checker takes it: its points are vertices that have to be in the mesh.
-fn plc_of(domain: &Domain) -> Plc {
+pub(crate) fn plc_of(domain: &Domain) -> Plc {
     let facet = |f: &ltbw_domain::Facet| PlcFacet {
         polygons: f.polygons.clone(),
         holes: f.holes.clone(),
@@ -29,42 +30,18 @@ fn plc_of(domain: &Domain) -> Plc {
     }
 }
 
-/// The judgement of the independent checker.
 fn judged(refined: &Refined, plc: &Plc) -> Conformity {
+    judged_within(refined, plc, &Limits::default())
+}
+
+/// The judgement of the independent checker.
+pub(crate) fn judged_within(refined: &Refined, plc: &Plc, limits: &Limits) -> Conformity {
     let mesh = refined.inside();
     let own = Mesh::new(&mesh.points, &mesh.tets);
-    conforms(&own, plc, mesh.tet_tags.as_deref(), &Limits::default(), &Options::default())
+    conforms(&own, plc, mesh.tet_tags.as_deref(), limits, &Options::default())
 }
 
-/// Points in the triangles, on the edges and inside of a domain: `count` of each.
-fn points_of(domain: &Domain, seed: u64, count: usize) -> [Vec<Point>; 3] {
-    let mut random = Random::new(seed);
-    let triangles: Vec<[u32; 3]> = (0..domain.facets.len() as u32)
-        .flat_map(|f| domain.triangulate(f).expect("a facet").triangles)
-        .collect();
-    let at = |v: u32| domain.vertices[v as usize];
-    let mut on_facets = Vec::new();
-    let mut on_edges = Vec::new();
-    for _ in 0..count {
-        let t = triangles[random.below(triangles.len() as u64) as usize].map(at);
-        let [x, y] = [random.unit(), random.unit()];
-        let [x, y] = if x + y > 1.0 { [1.0 - x, 1.0 - y] } else { [x, y] };
-        let z = 1.0 - x - y;
-        on_facets.push([0, 1, 2].map(|k| z * t[0][k] + x * t[1][k] + y * t[2][k]));
-        let polygons = &domain.facets[random.below(domain.facets.len() as u64) as usize].polygons;
-        let ring = &polygons[0];
-        let k = random.below(ring.len() as u64) as usize;
-        let [a, b] = [at(ring[k]), at(ring[(k + 1) % ring.len()])];
-        on_edges.push([0, 1, 2].map(|k| a[k] + x * (b[k] - a[k])));
-    }
-    let (low, high) = domain.bounds().expect("vertices");
-    let inside = (0..4 * count)
-        .map(|_| [0, 1, 2].map(|k| low[k] + random.unit() * (high[k] - low[k])))
-        .collect();
-    [inside, on_facets, on_edges]
-}
-
-fn with_points(kind: DomainKind, points: Vec<Point>) -> Prepared {
+pub(crate) fn with_points(kind: DomainKind, points: Vec<Point>) -> Prepared {
     let domain = generate_domain(kind, &Shape::default()).expect("a domain");
     prepared(&Domain { points, ..domain })
 }
@@ -106,9 +83,9 @@ fn a_thousand_points_are_vertices() {
         (DomainKind::Gear, 1e-2),
     ] {
         let domain = generate_domain(kind, &Shape::default()).expect("a domain");
-        let [inside, on_facets, on_edges] = points_of(&domain, 7, 340);
-        let (facets, edges) = (on_facets.len(), on_edges.len());
-        let all = [inside, on_facets, on_edges].concat();
+        let points = scattered(&domain, 7, 340);
+        let (facets, edges) = (points.on_facets.len(), points.on_edges.len());
+        let all = points.all();
         let ready = with_points(kind, all.clone());
         let placed = &ready.placed;
         assert!(
@@ -134,7 +111,7 @@ fn a_thousand_points_are_vertices() {
 #[test]
 fn the_mesh_depends_on_no_order() {
     let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a domain");
-    let all = points_of(&domain, 3, 60).concat();
+    let all = scattered(&domain, 3, 60).all();
     let ready = with_points(DomainKind::CubeOctahedron, all.clone());
     let refiner = Refiner::new().max_volume(1e-3).start(256);
     let one = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");

@@ -9,6 +9,8 @@ use ltbw_core::TetMesh;
 #[derive(Default)]
 pub(crate) struct Grid {
     mesh: TetMesh,
+    /// The field of its points that was asked for.
+    pub(super) field: Option<Vec<f64>>,
     /// Triangles with their markers.
     triangles: Vec<Marked>,
     other_cells: bool,
@@ -36,6 +38,9 @@ impl Grid {
         if let Some(markers) = &piece.markers {
             same("values in `marker`", cells, markers.len())?;
         }
+        if let Some(field) = &piece.field {
+            same("values of the field", points, field.len())?;
+        }
         let base = self.mesh.points.len();
         let total = (base + coordinates.len()) as u64;
         let base = u32::try_from(base).map_err(|_| Reason::TooManyPoints(total))?;
@@ -48,6 +53,7 @@ impl Grid {
         let regions = piece.regions.map(|r| kept.iter().map(|&cell| r[cell]).collect());
         let first = self.pieces == 0;
         append(&mut self.mesh.point_tags, piece.tags, first)?;
+        append(&mut self.field, piece.field, first)?;
         append(&mut self.mesh.tet_tags, regions, first)?;
         let attributes = piece.attributes.map(|a| kept.iter().map(|&cell| a[cell]).collect());
         append(&mut self.mesh.tet_attributes, attributes, first)?;

@@ -14,6 +14,7 @@
 mod array;
 mod blocks;
 mod cells;
+mod field;
 mod names;
 mod write;
 
@@ -21,9 +22,10 @@ use super::error::{ParseError, Reason, excerpt};
 use super::scalar::Scalar;
 use super::text::{Tokens, count, float, integer};
 use super::xml::{attribute, each_event, expect_kind, malformed};
-use super::{GroupName, MeshFile};
+use super::{GroupName, MeshFile, PointField};
 use array::{Layout, Stream};
 pub(crate) use cells::{Grid, append};
+use field::Asked;
 use names::Named;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
@@ -56,6 +58,7 @@ enum Wanted {
     Regions,
     Markers,
     Attributes,
+    Field,
 }
 
 /// A piece of a grid as the file tells it, before it is checked.
@@ -73,6 +76,7 @@ pub(crate) struct Piece {
     pub(crate) regions: Option<Vec<i64>>,
     pub(crate) markers: Option<Vec<i64>>,
     pub(crate) attributes: Option<Vec<f64>>,
+    pub(crate) field: Option<Vec<f64>>,
 }
 
 /// The values of an array of a piece.
@@ -86,6 +90,7 @@ impl Piece {
         List::Integers(match wanted {
             Wanted::Points => return List::Floats(&mut self.coordinates),
             Wanted::Attributes => return List::Floats(self.attributes.get_or_insert_default()),
+            Wanted::Field => return List::Floats(self.field.get_or_insert_default()),
             Wanted::Connectivity => &mut self.connectivity,
             Wanted::Offsets => &mut self.offsets,
             Wanted::Types => &mut self.types,
@@ -129,6 +134,8 @@ struct State<'a> {
     named: Option<Named>,
     names: Vec<GroupName>,
     grid: Grid,
+    /// The field of points that is asked for.
+    field: Option<Asked>,
     other_arrays: bool,
     /// Bytes that compressed data may still become.
     room: u64,
@@ -136,6 +143,30 @@ struct State<'a> {
 
 /// Reads a `.vtu` file.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let state = parsed(bytes, None)?;
+    let mut notes = Vec::new();
+    if state.other_arrays {
+        notes.push(OTHER_ARRAYS.into());
+    }
+    let (mesh, more) = state.grid.finish();
+    notes.extend(more);
+    Ok(MeshFile { mesh, notes, names: state.names })
+}
+
+/// Reads a `.vtu` file with an array of its points, one number each, by its name; without a name
+/// the only such array of floats.
+///
+/// # Errors
+/// As [`read`]; no such array, or without a name several.
+pub fn read_field(bytes: &[u8], name: Option<&str>) -> Result<PointField, ParseError> {
+    let mut state = parsed(bytes, Some(Asked::new(name)))?;
+    let values = state.grid.field.take();
+    let values = values.ok_or_else(|| ParseError::at(bytes, 0, field::missing(name)))?;
+    Ok(PointField { mesh: state.grid.finish().0, values })
+}
+
+/// All that is read of a `.vtu` file.
+fn parsed(bytes: &[u8], field: Option<Asked>) -> Result<State<'_>, ParseError> {
     // Appended data need not be text, and what is in it is no XML.
     let head = find(bytes, b"<AppendedData").unwrap_or(bytes.len());
     let appended = match head {
@@ -152,6 +183,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         named: None,
         names: Vec::new(),
         grid: Grid::default(),
+        field,
         other_arrays: false,
         room: (bytes.len() as u64).saturating_mul(LARGEST_RATIO).saturating_add(SMALL),
     };
@@ -181,13 +213,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         let text = "the file ends before the end of a VTKFile element";
         return Err(ParseError::at(bytes, bytes.len(), Reason::Syntax(text.into())));
     }
-    let mut notes = Vec::new();
-    if state.other_arrays {
-        notes.push(OTHER_ARRAYS.into());
-    }
-    let (mesh, more) = state.grid.finish();
-    notes.extend(more);
-    Ok(MeshFile { mesh, notes, names: state.names })
+    Ok(state)
 }
 
 /// The offset of the first `word`, which starts with `<`, in `bytes`.
@@ -271,6 +297,9 @@ impl State<'_> {
                 self.wanted = None;
                 let array = attribute(element, "Name")?.unwrap_or_default();
                 let wanted = match (section, array.as_str()) {
+                    ("PointData", own) if Asked::is(&mut self.field, own, element)? => {
+                        Wanted::Field
+                    }
                     ("Points", _) => Wanted::Points,
                     ("Cells", "connectivity") => Wanted::Connectivity,
                     ("Cells", "offsets") => Wanted::Offsets,
@@ -310,6 +339,7 @@ impl State<'_> {
             Wanted::Regions => piece.regions.replace(Vec::new()).is_none(),
             Wanted::Markers => piece.markers.replace(Vec::new()).is_none(),
             Wanted::Attributes => piece.attributes.replace(Vec::new()).is_none(),
+            Wanted::Field => piece.field.replace(Vec::new()).is_none(),
         };
         if !fresh {
             return Err(Reason::Syntax("the same array twice in a piece".into()));
