@@ -252,15 +252,13 @@ pub(crate) fn print_troubles(report: Option<&DomainReport>) {
 }
 
 /// The facets of a domain that its troubles are about, with the number of the kind (its place in
-/// [`ltbw::domain::TroubleKind::ALL`], from 1) as their marker; the gravest comes last and wins.
+/// [`TroubleKind::ALL`], from 1) as their marker; the gravest comes last and wins.
 /// Facets that are no polygon with an area cannot be written as faces, and are left out.
 fn defective(domain: &Domain, report: &DomainReport) -> Domain {
     let mut markers = std::collections::BTreeMap::new();
     for trouble in &report.troubles {
-        let number = 1 + ltbw::domain::TroubleKind::ALL
-            .iter()
-            .position(|k| *k == trouble.kind)
-            .unwrap_or_default() as i32;
+        let number =
+            1 + TroubleKind::ALL.iter().position(|k| *k == trouble.kind).unwrap_or_default() as i32;
         markers.extend(trouble.facets.iter().map(|&f| (f, number)));
     }
     let mut place = vec![None; domain.vertices.len()];
