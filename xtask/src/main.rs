@@ -79,8 +79,10 @@ cargo xtask COMMAND
   vectors               writes the conformance kit verify/vectors
   c                     lints, builds and tests the C interface: header, examples under valgrind
   python                lints, builds and tests the Python package: wheel, doctests, tutorial
-  mpi [--ranks 1,2,3,4] builds and runs the program of parallel/mpi by mpirun: the hashes of ltbw,
-                        over shared memory and TCP, in time and late; refusals and faults
+  mpi [--ranks 1,2,3,4] [--readers]
+                        builds and runs the program of parallel/mpi by mpirun: the hashes of ltbw,
+                        over shared memory and TCP, in time and late; refusals and faults; what it
+                        writes in parts, read by Gmsh, VTK, MFEM (with --readers)
   dist [crates|program|c|python]...
                         what is published, in target/dist: crates packaged without a warning, the
                         archives of program and C interface, the wheel
