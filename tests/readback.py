@@ -16,6 +16,7 @@ try:
     import gmsh
     import meshio
     import numpy as np
+    import parted
     import pyvista
 except (ImportError, OSError) as error:
     print(f"a Python package, or a library that it needs, is missing: {error}")
@@ -330,7 +331,13 @@ def surfaces_to_ltbw(mesh):
 
 def parts_to_python():
     """A mesh that its workers left distributed is one mesh to PyVista."""
-    run("delaunay", "points.npy", "--threads", 3, "-o", "whole.vtu", "-o", "parts.pvtu")
+    names = ["whole.vtu", "parts.pvtu", "parts_%.msh", "parts.mfem", "parts.vtkhdf"]
+    run("delaunay", "points.npy", "--threads", 3, *[w for name in names for w in ("-o", name)])
+
+    def same(what, found, wanted):
+        agree(what, [found == wanted], [True])
+
+    parted.compare(FOLDER, "whole.vtu", "parts", 3, same)
     whole, parts = (pyvista.read(FOLDER / name) for name in ["whole.vtu", "parts.pvtu"])
 
     def rows(grid):

@@ -14,13 +14,14 @@ use crate::progress::{Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report};
 use crate::slices::{Sliced, read};
 use crate::streams::Source;
-use crate::task::{ALONE, Judged, Task, wrote_parts};
+use crate::task::{ALONE, InParts, Judged, Task};
 use ltbw::distributed::{self, Gathered, Part, Slice};
-use ltbw::io::{self, Arrays, PartOf, Piece};
+use ltbw::io::{self, Arrays, Bordered, PartOf, PartSizes, Piece, Slabs};
 use ltbw::quality::Quality;
 use ltbw::threads::BuiltPart;
 use ltbw::{Builder, Outcome, TetMesh};
 use ltbw_verify as verify;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// The own slice of the points.
@@ -174,22 +175,61 @@ fn write_parts(
         ..TetMesh::default()
     };
     let piece = Piece { mesh, numbers: part.numbers.clone() };
-    let place = PartOf { part: others.me() as usize, of: others.size() as usize };
+    let border = others.border(&piece)?;
+    let arrays = Arrays { tags: has_tags, ..Arrays::default() };
+    let own = Bordered { piece: &piece, border: &border };
     for path in in_parts {
-        let own = console::writing(|token| {
-            let own = io::write_part(path, place, &piece, token)?;
-            let arrays = Arrays { tags: has_tags, ..Arrays::default() };
-            let is_first = others.is_first();
-            let list = is_first.then(|| io::write_list(path, place.of, arrays)).transpose()?;
-            Ok((own, list))
-        });
-        // Whatever one cannot write, nobody has written.
-        let (own, list) = others.together(own)?;
-        others.together(own.publish().map_err(Failure::Write))?;
-        others.together(list.map_or(Ok(()), |list| list.publish()).map_err(Failure::Write))?;
-        wrote_parts(path, place.of, report);
+        match io::has_slabs(path) {
+            true => write_slabs(others, path, arrays, own)?,
+            false => write_files(others, path, arrays, own)?,
+        }
+        InParts { parts: others.size() as usize, has_tags }.wrote(path, report);
     }
     Ok(())
+}
+
+/// Writes the file of the own part; the first process writes the list, if there is one.
+fn write_files(
+    others: &dyn Apart,
+    path: &Path,
+    arrays: Arrays,
+    Bordered { piece, border }: Bordered<'_>,
+) -> Result<(), Failure> {
+    let place = PartOf { part: others.me() as usize, of: others.size() as usize };
+    let own = console::writing(|token| {
+        let own = io::write_part(path, place, piece, border, token)?;
+        let has_list = others.is_first() && io::has_list(path);
+        let list = has_list.then(|| io::write_list(path, place.of, arrays)).transpose()?;
+        Ok((own, list))
+    });
+    // Whatever one cannot write, nobody has written.
+    let (own, list) = others.together(own)?;
+    others.together(own.publish().map_err(Failure::Write))?;
+    others.together(list.map_or(Ok(()), |list| list.publish()).map_err(Failure::Write))
+}
+
+/// Writes the own slabs of a file that the first process begins, and gives its name.
+fn write_slabs(
+    others: &dyn Apart,
+    path: &Path,
+    arrays: Arrays,
+    own: Bordered<'_>,
+) -> Result<(), Failure> {
+    let PartSizes { points, tets, faces } = PartSizes::of(own.piece);
+    let sizes: Vec<[u64; 3]> = others.all(&[points, tets, faces])?;
+    let of = |[points, tets, faces]: [u64; 3]| PartSizes { points, tets, faces };
+    let slabs = Slabs::new(sizes.into_iter().map(of).collect(), arrays);
+    let begun = others.is_first().then(|| io::begin_slabs(path, &slabs)).transpose();
+    let begun = others.together(begun.map_err(Failure::Write))?;
+    let aside = begun.as_ref().map(|file| file.aside().to_owned());
+    let all: Vec<Option<PathBuf>> = others.all(&aside)?;
+    let Some(Some(aside)) = all.into_iter().next() else {
+        return Err(Failure::Other("the first process has begun no file".to_owned()));
+    };
+    let part = others.me() as usize;
+    let written = io::write_slabs(path, &aside, &slabs, part, own);
+    others.together(written.map_err(Failure::Write))?;
+    others.together(begun.map_or(Ok(()), |file| file.publish()).map_err(Failure::Write))
 }
 
 /// Writes the files that hold the whole mesh, and the page.

@@ -231,7 +231,7 @@ pub(crate) struct Delaunay {
     #[arg(long, value_name = "FILE")]
     pub(crate) without: Option<PathBuf>,
     /// Where to write the mesh: .vtu .vtk .msh .mesh .ele (with .node); may be given several times.
-    /// As .pvtu it is left distributed: a .vtu beside it for each worker
+    /// As .pvtu, .vtkhdf, .mfem or _%.msh (Gmsh) it is left distributed: a part for each worker
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
     /// Threads: above 1, that number of workers of the parallel kernel insert the points

@@ -108,7 +108,7 @@ pub(crate) fn mesh_from(
     };
     let outputs = files.look()?;
     if args.write_unrecovered && !outputs.in_parts.is_empty() {
-        let text = "--write-unrecovered writes the mesh as a whole: no .pvtu";
+        let text = "--write-unrecovered writes the mesh as a whole, not in parts";
         return Err(Failure::Usage(text.to_owned()));
     }
     let source = outputs.formats.input(&args.domain)?;

@@ -50,6 +50,7 @@ mod apart {
     use crate::outcome::Failure;
     use ltbw::distributed::{Gathered, Hashed, Part, Points, Slice, SliceError};
     use ltbw::domain::Thickness;
+    use ltbw::io::{Border, Piece};
     use ltbw::protocol::WorkerId;
     use ltbw::threads::{BuiltPart, RunError};
     use ltbw::wire::{bytes_of, value_of};
@@ -98,6 +99,9 @@ mod apart {
             own: Option<&[i64]>,
             numbers: &[u32],
         ) -> Result<Option<Vec<i64>>, Failure>;
+
+        /// The border of the part: all that it has in common with those of others.
+        fn border(&self, piece: &Piece) -> Result<Border, Failure>;
 
         /// The tetrahedra of all parts, over this number of points, at the first process.
         fn gather(&self, part: &Part, points: usize) -> Result<Option<Gathered>, Failure>;

@@ -282,7 +282,7 @@ impl Source {
 
     /// The hash that it says its mesh has, if it says one.
     pub(crate) fn carried_hash(&self) -> Result<Option<String>, Failure> {
-        if !matches!(self.format, Format::Vtu | Format::Msh) {
+        if !matches!(self.format, Format::Vtu | Format::Msh) || io::is_parts(&self.name) {
             return Ok(None);
         }
         if self.stdin || self.bytes.get().is_some() {

@@ -157,7 +157,8 @@ impl Task<'_> {
             let parts = parts();
             for path in in_parts {
                 console::writing(|token| io::write_parts_until(path, &parts, token))?;
-                wrote_parts(path, parts.len(), report);
+                let has_tags = mesh.point_tags.is_some();
+                InParts { parts: parts.len(), has_tags }.wrote(path, report);
             }
         }
         report.seconds.write = clock.elapsed().as_secs_f64();
@@ -226,9 +227,23 @@ fn wrote(path: &Path, report: &mut Report) {
     console::people(&format!("wrote     {}", show(path)));
 }
 
-/// Tells of the files of a mesh in parts.
-pub(crate) fn wrote_parts(path: &Path, parts: usize, report: &mut Report) {
-    io::part_files(path, parts).iter().for_each(|path| wrote(path, report));
+/// A mesh as it was written in parts.
+pub(crate) struct InParts {
+    /// Their number.
+    pub(crate) parts: usize,
+    /// Its points have tags.
+    pub(crate) has_tags: bool,
+}
+
+impl InParts {
+    /// Tells of its files.
+    pub(crate) fn wrote(&self, path: &Path, report: &mut Report) {
+        if self.has_tags && !io::parts_hold_tags(path) {
+            let text = "tags of points are not kept: this format in parts has no place for them";
+            console::people(&format!("note: {}: {text}", show(path)));
+        }
+        io::part_files(path, self.parts).iter().for_each(|path| wrote(path, report));
+    }
 }
 
 /// The verdict and the quality of a mesh in the end.

@@ -14,15 +14,23 @@ fn a_mesh_in_parts_is_checked_and_converted_as_the_whole() {
     let dir = dir.path();
     run(dir, &["generate", "cube-in-cube", "-o", "d.poly"], 0);
     let mesh = ["mesh", "d.poly", "--max-volume", "1e-2", "--workers", "3"];
-    let made = run(dir, &[&mesh[..], &["-o", "m.pvtu", "--json", "r.json"]].concat(), 0);
+    let outputs = ["-o", "m.pvtu", "-o", "m_%.msh", "-o", "m.mfem", "-o", "m.vtkhdf"];
+    let made = run(dir, &[&mesh[..], &outputs, &["--json", "r.json"]].concat(), 0);
+    for file in ["m_3.msh", "m.000002", "m.vtkhdf"] {
+        assert!(made.stderr.contains(&format!("wrote     {file}")), "{}", made.stderr);
+    }
     let told = read_json(dir.join("r.json"))["mesh"]["hash"].as_str().unwrap().to_owned();
     assert_eq!(hash(&made), told);
     assert_eq!(hash(&run(dir, &["check", "m.pvtu"], 0)), told);
-    run(dir, &["convert", "m.pvtu", "w.vtu"], 0);
-    assert_eq!(hash(&run(dir, &["check", "w.vtu"], 0)), told);
-    run(dir, &["check", "m.pvtu", "--plc", "d.poly"], 0);
-    run(dir, &["check", "m.pvtu", "--certificate", "r.json", "--input", "d.poly"], 0);
+    for file in ["m.pvtu", "m_%.msh"] {
+        run(dir, &["convert", file, "w.vtu"], 0);
+        assert_eq!(hash(&run(dir, &["check", "w.vtu"], 0)), told);
+        run(dir, &["check", file, "--plc", "d.poly"], 0);
+        run(dir, &["check", file, "--certificate", "r.json", "--input", "d.poly"], 0);
+    }
     // Without a part there is no mesh.
+    std::fs::remove_file(dir.join("m_2.msh")).unwrap();
+    assert!(run(dir, &["check", "m_%.msh"], 3).error().contains("m_2.msh"));
     std::fs::remove_file(dir.join("m_1.vtu")).unwrap();
     let refused = run(dir, &["check", "m.pvtu"], 3);
     assert!(refused.error().contains("m_1.vtu"), "{}", refused.stderr);

@@ -2,7 +2,7 @@
 //! but letters, and none of which ever has the mesh.
 
 use ltbw::distributed::{self, Hashed, Part, Slice};
-use ltbw::io::{self, Arrays, PartOf, Piece};
+use ltbw::io::{self, Arrays, Border, PartOf, Piece};
 use ltbw::team::{Post, Team};
 use ltbw::{Builder, CancelToken, Point, PointSet, TetMesh, canonical_hash};
 use ltbw_cli::ranks::Judge;
@@ -88,11 +88,15 @@ fn parts_that_members_write_are_the_mesh() {
             let mesh = TetMesh { points, tets, point_tags, ..TetMesh::default() };
             let place = PartOf { part: team.me().index(), of: members as usize };
             let piece = Piece { mesh, numbers };
-            let file = io::write_part(&path, place, &piece, &CancelToken::new()).expect("a part");
+            let border = distributed::border(team, &piece).expect("a border");
+            let token = CancelToken::new();
+            let file = io::write_part(&path, place, &piece, &border, &token).expect("a part");
             assert!(!path.exists(), "no file has its name before all are there");
             file.publish().expect("its name");
-            piece
+            (piece, border)
         });
+        let (parts, borders): (Vec<Piece>, Vec<Border>) = parts.into_iter().unzip();
+        assert!(borders == io::borders(&parts).expect("the same"), "{kind:?} on {members}");
         let arrays = Arrays { tags: true, ..Arrays::default() };
         io::write_list(&path, members as usize, arrays)
             .and_then(io::Unnamed::publish)
@@ -116,6 +120,28 @@ fn parts_that_members_write_are_the_mesh() {
                 [one.as_path(), other.as_path()].map(|file| std::fs::read(file).expect("a file"));
             assert!(bytes[0] == bytes[1], "{kind:?} on {members}");
         }
+    }
+}
+
+/// A part whose numbers make no sense ends all members, with its name.
+#[test]
+fn a_part_that_is_none_has_no_border() {
+    let points = generate(PointKind::Uniform, 300, 7);
+    let set = PointSet::new(points).expect("points");
+    let ends = on_team(3, |team| {
+        let slice = slice_of(team, set.points());
+        let Part { mut numbers, points, tets, .. } =
+            Builder::new().build_on(team, &slice).expect("a mesh").part;
+        if team.me().index() == 1 {
+            numbers.reverse();
+        }
+        let mesh = TetMesh { points, tets, ..TetMesh::default() };
+        let piece = Piece { mesh, numbers };
+        distributed::border(team, &piece).expect_err("no border").to_string()
+    });
+    assert!(ends[1].contains("numbers of points that do not ascend"), "{}", ends[1]);
+    for end in [&ends[0], &ends[2]] {
+        assert_eq!(end, "worker 1 has failed");
     }
 }
 

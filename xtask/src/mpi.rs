@@ -3,6 +3,7 @@
 //! and late; what it refuses; what comes of processes that panic, are killed or are stopped.
 
 mod faults;
+mod readers;
 
 use crate::require;
 use crate::shell::{self, cargo, command, root, target};
@@ -38,6 +39,9 @@ const DOMAINS: [(&str, &[&str], &[&str]); 5] = [
     ("wedge", &["--angle", "5"], &[]),
 ];
 
+/// The files of a mesh in parts.
+const IN_PARTS: [&str; 4] = ["parts.pvtu", "parts_%.msh", "parts.mfem", "parts.vtkhdf"];
+
 /// The outcome of a run.
 pub(crate) struct Outcome {
     /// The exit code; none if a signal or the watchdog has ended it.
@@ -62,7 +66,10 @@ pub(crate) struct Input {
 
 /// Builds and runs.
 pub(crate) fn run(rest: &[String]) -> Result<(), String> {
-    let ranks = ranks(rest)?;
+    let is_reader = |word: &String| word == "--readers";
+    let has_readers = rest.iter().any(is_reader);
+    let rest: Vec<String> = rest.iter().filter(|word| !is_reader(word)).cloned().collect();
+    let ranks = ranks(&rest)?;
     let tools: [(&str, &[&str]); 2] = [("mpirun", &["--version"]), ("mpicc", &["--version"])];
     for (tool, arguments) in tools {
         if !shell::works(command(tool).args(arguments)) {
@@ -87,6 +94,9 @@ pub(crate) fn run(rest: &[String]) -> Result<(), String> {
         if input.arguments.first().is_some_and(|command| command == "delaunay") {
             bench.in_parts(input, most)?;
             runs += 1;
+            if has_readers {
+                readers::run(&bench, &input.name, &input.arguments, most)?;
+            }
         }
     }
     println!("{} inputs, {runs} runs: one hash each", inputs.len());
@@ -104,7 +114,7 @@ fn ranks(rest: &[String]) -> Result<Vec<u32>, String> {
             let all: Option<Vec<u32>> = list.split(',').map(number).collect();
             all.ok_or_else(|| format!("--ranks {list}: numbers, with commas"))
         }
-        _ => Err("cargo xtask mpi [--ranks 1,2,3,4]".to_owned()),
+        _ => Err("cargo xtask mpi [--ranks 1,2,3,4] [--readers]".to_owned()),
     }
 }
 
@@ -208,14 +218,19 @@ impl Bench {
     /// Lets each process write its part: together they are the mesh that `ltbw` has certified.
     fn in_parts(&self, input: &Input, count: u32) -> Result<(), String> {
         let mut job = self.job(count, &[]);
-        job.arg(&self.ranked).arg("--quiet").args(&input.arguments).args(["-o", "parts.pvtu"]);
+        job.arg(&self.ranked).arg("--quiet").args(&input.arguments);
+        IN_PARTS.iter().for_each(|name| _ = job.args(["-o", name]));
         let outcome = watched(&mut job, WATCHDOG)?;
-        let check = words_of(&["check", "parts.pvtu", "--certificate", "alone.json"]);
-        let checked = self.ltbw(&check)?;
         let what = format!("{} in {count} parts", input.name);
-        if [outcome.code, checked.code] != [Some(0); 2] {
-            let codes = [outcome.code, checked.code];
-            return Err(format!("{what}: {codes:?}\n{}{}", outcome.stderr, checked.stderr));
+        // The others are not read by `ltbw`.
+        for name in &IN_PARTS[..2] {
+            let check = words_of(&["check", name, "--certificate", "alone.json"]);
+            let checked = self.ltbw(&check)?;
+            if [outcome.code, checked.code] != [Some(0); 2] {
+                let codes = [outcome.code, checked.code];
+                let (err, why) = (&outcome.stderr, &checked.stderr);
+                return Err(format!("{what}: {name}: {codes:?}\n{err}{why}"));
+            }
         }
         println!("{what}: read back");
         Ok(())

@@ -8,6 +8,7 @@ use crate::{console, dispatch, machine, refusal};
 use clap::Parser;
 use ltbw::distributed::{self, Gathered, Hashed, Part, Points, Slice, SliceError};
 use ltbw::domain::{Prepared, Thickness};
+use ltbw::io::{Border, Piece};
 use ltbw::protocol::WorkerId;
 use ltbw::refine::Refiner;
 use ltbw::refining::{RefineError, ThreadedRounds, rounds_on_team};
@@ -169,6 +170,11 @@ impl<P: Post> Apart for Member<'_, P> {
     ) -> Result<verify::Report, Failure> {
         let report = verify::check_parted(&mut Judge(*self.team.borrow_mut()), part, options);
         report.map_err(|error| self.lost(&error))
+    }
+
+    fn border(&self, piece: &Piece) -> Result<Border, Failure> {
+        let border = distributed::border(*self.team.borrow_mut(), piece);
+        border.map_err(|error| self.lost(&error))
     }
 
     fn gather(&self, part: &Part, points: usize) -> Result<Option<Gathered>, Failure> {

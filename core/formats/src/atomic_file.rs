@@ -82,6 +82,11 @@ impl AtomicFile {
         Ok(Self { file: temp_path, path: path.to_owned(), target })
     }
 
+    /// Where the file is until it has its name.
+    pub(super) fn aside(&self) -> &Path {
+        &self.file
+    }
+
     /// Gives the file its final name, unless the token was set meanwhile.
     pub(super) fn publish_unless(self, cancel: &CancelToken) -> Result<(), IoError> {
         match cancel.is_cancelled() {

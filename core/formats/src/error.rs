@@ -12,7 +12,7 @@ pub enum IoError {
     #[error(
         "{}: unknown extension; points: .npy .xyz .txt .csv .node .ply (read only: .npz .off .obj \
          .stl); domains: .poly .smesh .off .obj .stl .ply .vtk; \
-         meshes: .vtu .vtk .msh .mesh .ele .pvtu",
+         meshes: .vtu .vtk .msh .mesh .ele; in parts: .pvtu .vtkhdf .mfem _%.msh",
         show(path)
     )]
     UnknownFormat {
@@ -108,6 +108,20 @@ impl IoError {
     }
 }
 
+/// Something that makes no sense in a part, or in the words that a part has sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("part {part}: {what} ({at} of {length})")]
+pub struct BorderError {
+    /// The number of the part.
+    pub part: usize,
+    /// The place: of a tetrahedron of the part, or of a word that it has sent.
+    pub at: usize,
+    /// The number of those.
+    pub length: usize,
+    /// The fault.
+    pub what: &'static str,
+}
+
 /// Data that no file of ours may hold.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -146,6 +160,17 @@ pub enum DataError {
         /// The tetrahedron.
         tet: usize,
     },
+    /// A region or a marker that the format cannot hold.
+    #[error("there is the {what} {value}, which this format has no number for")]
+    Attributes {
+        /// `region` or `marker`.
+        what: &'static str,
+        /// Its value.
+        value: i64,
+    },
+    /// Parts that are not those of a mesh.
+    #[error(transparent)]
+    Border(#[from] BorderError),
     /// A domain that cannot be used.
     #[error(transparent)]
     Domain(#[from] ltbw_domain::DomainError),

@@ -20,6 +20,9 @@
 //! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region`, `attribute` | [`vtu`] |
 //! | `.vtk` | mesh, or a surface (VTK's legacy files) | the same | [`vtk`] |
 //! | `.pvtu` | mesh in parts, `.vtu` files beside it | the same | [`pvtu`], [`write_parts`] |
+//! | `_%.msh` | mesh in parts (Gmsh's partitions) | physical groups | [`msh`], [`write_parts`] |
+//! | `.vtkhdf` | mesh in parts (VTK), written only | as `.vtu` | [`Slabs`], [`write_parts`] |
+//! | `.mfem` | mesh in parts (MFEM), written only | attributes | [`write_parts`] |
 //!
 //! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
 //! to verify, never an amount of memory to reserve. Text carries floats in the shortest form that
@@ -50,6 +53,7 @@ pub mod npy;
 pub mod npz;
 pub mod obj;
 pub mod off;
+mod parted;
 mod parts;
 pub mod ply;
 pub mod poly;
@@ -63,6 +67,7 @@ pub mod tetgen;
 mod text;
 pub mod txt;
 pub mod vtk;
+mod vtkhdf;
 pub mod vtu;
 mod writer;
 mod xml;
@@ -74,14 +79,18 @@ pub use domain::{
     check_domain_writable, domain_files, not_kept, read_domain, read_domain_by, write_domain,
     write_domain_until, write_domain_with,
 };
-pub use error::{DataError, IoError, ParseError, Place, Reason};
+pub use error::{BorderError, DataError, IoError, ParseError, Place, Reason};
 pub use format::{Encoding, Format, MshVersion, WriteOptions};
 use ltbw_core::{BoundaryFace, CancelToken, TetMesh};
 use ltbw_domain::{Domain, Given};
 use ltbw_exact::Point;
+pub use parted::{
+    Arrays, Border, Bordering, Common, Ghost, GhostPoint, PartOf, PartSizes, Piece, Words, borders,
+    has_list, has_slabs, is_parts, part_files, parts_hold_tags,
+};
 pub use parts::{
-    Arrays, PartOf, Piece, Unnamed, check_parts_writable, is_parts, part_files, write_list,
-    write_part, write_parts, write_parts_until,
+    Bordered, Unnamed, begin_slabs, check_parts_writable, write_list, write_part, write_parts,
+    write_parts_until, write_slabs,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -89,6 +98,7 @@ pub use streams::{
     check_domain_stream, check_mesh_stream, check_points_stream, parse_domain, parse_mesh,
     parse_points, write_domain_to, write_points_to,
 };
+pub use vtkhdf::Slabs;
 pub use writer::MeshWriter;
 
 /// Points as files carry them.
@@ -195,6 +205,7 @@ pub fn read_mesh_by(path: impl AsRef<Path>, load: &mut Load<'_>) -> Result<MeshF
     match Format::from_path(path)? {
         Format::Node | Format::Ele => read_pair(path, load),
         Format::Pvtu => pvtu::read(path, load),
+        Format::Msh if is_parts(path) => msh::read_parts(path, load),
         format if format.holds_mesh() => parse_mesh(path, format, &load(path)?),
         format => Err(wrong_kind(path, format, "a mesh is")),
     }
@@ -361,6 +372,11 @@ pub fn mesh_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
             // A list that cannot be read names no other file.
             let pieces = load(path).ok().and_then(|list| pvtu::piece_files(path, &list).ok());
             std::iter::once(path.to_owned()).chain(pieces.unwrap_or_default()).collect()
+        }
+        // Each of them says how many there are.
+        Ok(Format::Msh) if is_parts(path) => {
+            let file = |part: usize| part_files(path, part + 1).pop();
+            (0_usize..).map_while(file).take_while(|file| file.exists()).collect()
         }
         _ => vec![path.to_owned()],
     }

@@ -1,9 +1,16 @@
-//! `.pvtu`: a mesh in several parts, each a `.vtu` file of its own beside it.
+//! Meshes in parts: files that workers write, each its own part.
 //!
-//! `m.pvtu` lists `m_0.vtu`, `m_1.vtu` and so on; ParaView opens it as one mesh. A part has the
-//! points of its own tetrahedra, so that a point at the boundary between parts is in several, each
-//! time under its number in the whole, `GlobalPointIds`. The array `worker` of cells, `Int32`, is
-//! the number of the part; the others are those of `.vtu`, as far as all parts have them.
+//! | name | files | what they hold |
+//! |---|---|---|
+//! | `m.pvtu` | itself, `m_0.vtu`, `m_1.vtu` and so on | a list for ParaView, and the parts |
+//! | `m_%.msh` | `m_1.msh`, `m_2.msh` and so on | Gmsh's partitions: [`msh`](crate::msh) |
+//! | `m.vtkhdf` | itself | all parts, each with its slabs: [`Slabs`] |
+//! | `m.mfem` | `m.000000`, `m.000001` and so on | meshes that MFEM reads together |
+//!
+//! A part has the points of its own tetrahedra, so that a point at the boundary between parts is in
+//! several. In the `.vtu` files of a `.pvtu` each has its number in the input, `GlobalPointIds`;
+//! the array `worker` of cells, `Int32`, is the number of the part, and `owner` of points that of
+//! the first part which has them; the others are those of `.vtu`, as far as all parts have them.
 //!
 //! A process with all parts calls [`write_parts`]; one with a part of its own [`write_part`], and
 //! the first of them [`write_list`]: the files get their names when all are there.
@@ -11,33 +18,21 @@
 
 use super::atomic_file::{self, AtomicFile, Needs};
 use super::error::DataError;
-use super::{IoError, check_mesh, data_error, vtu};
-use ltbw_core::{CancelToken, TetMesh};
-use std::io::Write;
+use super::parted::{
+    self, Arrays, Border, Kind, PartOf, PartSizes, Piece, borders, has_list, is_parts, part_file,
+    part_files,
+};
+use super::vtkhdf::Slabs;
+use super::{IoError, check_mesh, data_error, msh, vtu, write_error};
+use ltbw_core::CancelToken;
+use std::fs::OpenOptions;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-
-/// Does the extension of `path` say that it lists parts?
-pub fn is_parts(path: impl AsRef<Path>) -> bool {
-    let path = path.as_ref();
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pvtu"))
-}
-
-/// The files that [`write_parts`] writes for `path`: the list, then its parts.
-pub fn part_files(path: impl AsRef<Path>, parts: usize) -> Vec<PathBuf> {
-    let path = path.as_ref();
-    let stem = path.file_stem().unwrap_or_default().to_os_string();
-    let part = |k| {
-        let mut name = stem.clone();
-        name.push(format!("_{k}.vtu"));
-        path.with_file_name(name)
-    };
-    std::iter::once(path.to_owned()).chain((0..parts).map(part)).collect()
-}
 
 /// Tells what would certainly keep [`write_parts`] from writing. Creates nothing.
 ///
 /// # Errors
-/// [`IoError`]: an extension that is not `.pvtu`, a missing folder, something that is not a file.
+/// [`IoError`]: a name of no parts, a missing folder, something that is not a file.
 pub fn check_parts_writable(path: impl AsRef<Path>, parts: usize) -> Result<(), IoError> {
     let path = path.as_ref();
     if !is_parts(path) {
@@ -46,54 +41,15 @@ pub fn check_parts_writable(path: impl AsRef<Path>, parts: usize) -> Result<(), 
     part_files(path, parts).iter().try_for_each(|file| atomic_file::check(file))
 }
 
-/// A part of a mesh.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Piece {
-    /// Its tetrahedra with their points.
-    pub mesh: TetMesh,
-    /// For each point its number in the whole mesh.
-    pub numbers: Vec<u32>,
-}
-
-/// The place of a part among all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PartOf {
-    /// Its number, from 0.
-    pub part: usize,
-    /// Number of parts.
-    pub of: usize,
-}
-
-/// The arrays that all parts have, beside those that every part has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Arrays {
-    /// `tag` of points.
-    pub tags: bool,
-    /// `region` of cells.
-    pub regions: bool,
-    /// `marker` of cells.
-    pub markers: bool,
-    /// `attribute` of cells.
-    pub attributes: bool,
-}
-
-impl Arrays {
-    fn of(parts: &[Piece]) -> Self {
-        let all =
-            |has: fn(&TetMesh) -> bool| !parts.is_empty() && parts.iter().all(|p| has(&p.mesh));
-        Self {
-            tags: all(|mesh| mesh.point_tags.is_some()),
-            regions: all(|mesh| mesh.tet_tags.is_some()),
-            markers: all(|mesh| !mesh.faces.is_empty()),
-            attributes: all(|mesh| mesh.tet_attributes.is_some()),
-        }
-    }
-}
-
 /// A file that is complete, and has its name not yet. Dropping it removes it.
 pub struct Unnamed(AtomicFile);
 
 impl Unnamed {
+    /// Where it is until it has its name.
+    pub fn aside(&self) -> &Path {
+        self.0.aside()
+    }
+
     /// Gives it its name, replacing what had it.
     ///
     /// # Errors
@@ -106,27 +62,98 @@ impl Unnamed {
 /// Writes one part of a mesh in parts, until the token says otherwise.
 ///
 /// # Errors
-/// [`IoError`] if the part is not a mesh, or the file cannot be written.
+/// [`IoError`] if the part is not a mesh, its border is that of another one, or the file cannot
+/// hold it or be written.
 pub fn write_part(
     path: impl AsRef<Path>,
-    PartOf { part, of }: PartOf,
+    place: PartOf,
     piece: &Piece,
+    border: &Border,
     cancel: &CancelToken,
 ) -> Result<Unnamed, IoError> {
-    let files = part_files(path, of);
-    let Some(name) = files.get(part + 1) else {
-        return Err(IoError::UnknownFormat { path: files[0].clone() });
+    let path = path.as_ref();
+    let Some(kind) = Kind::of(path) else {
+        return Err(IoError::UnknownFormat { path: path.to_owned() });
     };
-    check_mesh(&piece.mesh).map_err(|r| data_error(name, r))?;
-    let (tags, count) = (piece.numbers.len(), piece.mesh.points.len());
-    if tags != count {
-        return Err(data_error(name, DataError::Tags { what: "points", tags, count }));
+    if kind == Kind::Vtkhdf {
+        return Err(IoError::UnknownFormat { path: path.to_owned() });
     }
-    let fill = |out: &mut dyn Write| vtu::write_part(out, &piece.mesh, &piece.numbers, part as i32);
+    let name = &part_file(path, place.part);
+    check_part(name, piece, border)?;
+    match kind {
+        Kind::Pvtu | Kind::Vtkhdf => Ok(()),
+        Kind::Msh => msh::check_part(border),
+        Kind::Mfem => parted::check(border),
+    }
+    .map_err(|reason| data_error(name, reason))?;
+    let fill = |out: &mut dyn Write| match kind {
+        Kind::Pvtu | Kind::Vtkhdf => vtu::write_part(out, piece, border, place.part as u32),
+        Kind::Msh => msh::write_part(out, piece, border, place),
+        Kind::Mfem => parted::write(out, piece, border, place),
+    };
     AtomicFile::write_until(name, Needs::until(cancel), fill).map(Unnamed)
 }
 
-/// Writes the list of all parts.
+/// A part, and what it has in common with the others.
+#[derive(Clone, Copy, Debug)]
+pub struct Bordered<'a> {
+    /// The part.
+    pub piece: &'a Piece,
+    /// Its border.
+    pub border: &'a Border,
+}
+
+/// Makes sure that a part is a mesh, and the border its own.
+fn check_part(name: &Path, piece: &Piece, border: &Border) -> Result<(), IoError> {
+    check_mesh(&piece.mesh).map_err(|r| data_error(name, r))?;
+    let count = piece.mesh.points.len();
+    for tags in [piece.numbers.len(), border.numbers.len()] {
+        if tags != count {
+            return Err(data_error(name, DataError::Tags { what: "points", tags, count }));
+        }
+    }
+    Ok(())
+}
+
+/// Begins a file of which each part has its slabs ([`has_slabs`](crate::has_slabs)): all of
+/// them write into it with [`write_slabs`] before it gets its name.
+///
+/// # Errors
+/// [`IoError`] if the file cannot be written.
+pub fn begin_slabs(path: impl AsRef<Path>, slabs: &Slabs) -> Result<Unnamed, IoError> {
+    let path = path.as_ref();
+    let file = AtomicFile::write(path, |out| slabs.write_head(out))?;
+    let opened = OpenOptions::new().write(true).open(file.aside());
+    let length = opened.and_then(|file| file.set_len(slabs.length()));
+    length.map_err(|error| write_error(path, error))?;
+    Ok(Unnamed(file))
+}
+
+/// Writes the slabs of a part into a file that was begun, where it is until it has the name `path`.
+///
+/// # Errors
+/// [`IoError`] if the part is not a mesh, its border is that of another one, or the file cannot be
+/// written.
+pub fn write_slabs(
+    path: impl AsRef<Path>,
+    aside: &Path,
+    slabs: &Slabs,
+    part: usize,
+    own: Bordered<'_>,
+) -> Result<(), IoError> {
+    let path = path.as_ref();
+    let Bordered { piece, border } = own;
+    check_part(path, piece, border)?;
+    let write = || {
+        let file = OpenOptions::new().write(true).open(aside)?;
+        let mut out = BufWriter::with_capacity(1 << 20, file);
+        slabs.write_slabs(&mut out, part, piece, border)?;
+        out.get_ref().sync_all()
+    };
+    write().map_err(|error| write_error(path, error))
+}
+
+/// Writes the list of all parts, where there is one ([`has_list`]).
 ///
 /// # Errors
 /// [`IoError`] if the file cannot be written.
@@ -135,8 +162,9 @@ pub fn write_list(
     parts: usize,
     arrays: Arrays,
 ) -> Result<Unnamed, IoError> {
-    let files = part_files(path, parts);
-    AtomicFile::write(&files[0], |out| list(out, &files[1..], arrays)).map(Unnamed)
+    let path = path.as_ref();
+    let names: Vec<PathBuf> = (0..parts).map(|part| part_file(path, part)).collect();
+    AtomicFile::write(path, |out| list(out, &names, arrays)).map(Unnamed)
 }
 
 /// Writes a mesh in parts. All or none of the files get their names, as far as the system lets.
@@ -159,10 +187,23 @@ pub fn write_parts_until(
 ) -> Result<(), IoError> {
     let (path, of) = (path.as_ref(), parts.len());
     check_parts_writable(path, of)?;
-    let pieces = parts.iter().enumerate();
-    let written = pieces.map(|(part, piece)| write_part(path, PartOf { part, of }, piece, cancel));
-    let mut written: Vec<Unnamed> = written.collect::<Result<_, _>>()?;
-    written.push(write_list(path, of, Arrays::of(parts))?);
+    let borders = borders(parts).map_err(|error| data_error(path, error.into()))?;
+    if Kind::of(path) == Some(Kind::Vtkhdf) {
+        for (piece, border) in parts.iter().zip(&borders) {
+            check_part(path, piece, border)?;
+        }
+        let slabs = Slabs::new(parts.iter().map(PartSizes::of).collect(), Arrays::of(parts));
+        let fill = |out: &mut dyn Write| slabs.write(out, parts, &borders);
+        let file = AtomicFile::write_until(path, Needs::until(cancel), fill)?;
+        return file.publish_unless(cancel);
+    }
+    let mut written = Vec::with_capacity(of + 1);
+    for (part, (piece, border)) in parts.iter().zip(&borders).enumerate() {
+        written.push(write_part(path, PartOf { part, of }, piece, border, cancel)?);
+    }
+    if has_list(path) {
+        written.push(write_list(path, of, Arrays::of(parts))?);
+    }
     // The first of them looks at the token; after it all get their names.
     let mut written = written.into_iter();
     written.next().map_or(Ok(()), |first| first.0.publish_unless(cancel))?;
@@ -183,7 +224,8 @@ fn list(out: &mut dyn Write, names: &[PathBuf], arrays: Arrays) -> std::io::Resu
          <PPoints>\n<PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n\
          </PPoints>\n\
          <PPointData{scalars} GlobalIds=\"GlobalPointIds\">\n{tag}\
-         <PDataArray type=\"Int64\" IdType=\"1\" Name=\"GlobalPointIds\"/>\n</PPointData>\n"
+         <PDataArray type=\"Int64\" IdType=\"1\" Name=\"GlobalPointIds\"/>\n\
+         <PDataArray type=\"Int32\" Name=\"owner\"/>\n</PPointData>\n"
     )?;
     out.write_all(b"<PCellData>\n")?;
     let arrays = [
@@ -207,13 +249,7 @@ fn list(out: &mut dyn Write, names: &[PathBuf], arrays: Arrays) -> std::io::Resu
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn parts_are_named_after_the_list() {
-        let files = part_files(Path::new("a/m.x.pvtu"), 2);
-        let names: Vec<_> = files.iter().map(|f| f.to_string_lossy().into_owned()).collect();
-        assert_eq!(names, ["a/m.x.pvtu", "a/m.x_0.vtu", "a/m.x_1.vtu"]);
-    }
+    use ltbw_core::TetMesh;
 
     #[test]
     fn parts_are_written_and_read() {
@@ -226,7 +262,7 @@ mod tests {
             point_tags: Some(vec![1, 2, 3, 4]),
             ..TetMesh::default()
         };
-        let part = Piece { mesh: mesh.clone(), numbers: vec![7, 9, 8, 1 << 31] };
+        let part = Piece { mesh: mesh.clone(), numbers: vec![7, 8, 9, 1 << 31] };
         let none = TetMesh { point_tags: Some(Vec::new()), ..TetMesh::default() };
         let empty = Piece { mesh: none, numbers: Vec::new() };
         write_parts(&path, &[part.clone(), empty.clone()]).expect("written");
@@ -244,7 +280,7 @@ mod tests {
         assert_eq!(read("a&b_0.vtu"), mesh);
         assert_eq!(read("a&b_1.vtu").tets, empty.mesh.tets);
         // The numbers stand after the tags, whose last one is 4.
-        let ids = [4_i64, 32, 7, 9, 8, 1 << 31].map(i64::to_le_bytes).concat();
+        let ids = [4_i64, 32, 7, 8, 9, 1 << 31].map(i64::to_le_bytes).concat();
         assert!(bytes.windows(ids.len()).any(|window| window == ids), "the numbers of points");
         let head = String::from_utf8_lossy(&bytes);
         let section = "<PointData Scalars=\"tag\" GlobalIds=\"GlobalPointIds\">";

@@ -373,6 +373,11 @@ fn piece(mesh: &TetMesh, tet: usize) -> TetMesh {
     }
 }
 
+/// The numbers of its points in the whole, of which their tags tell.
+fn numbers_of(mesh: &TetMesh) -> Vec<u32> {
+    mesh.point_tags.iter().flatten().map(|&tag| tag as u32 - 1).collect()
+}
+
 #[test]
 fn pieces_are_put_together_at_their_common_vertices() {
     let folder = tempfile::tempdir().unwrap();
@@ -387,7 +392,7 @@ fn pieces_are_put_together_at_their_common_vertices() {
     let mut second = piece(&mesh, 1);
     // The sign of a zero is no other place.
     second.points.iter_mut().flatten().filter(|c| **c == 0.0).for_each(|c| *c = -0.0);
-    let numbered = |mesh: TetMesh| io::Piece { numbers: vec![3; mesh.points.len()], mesh };
+    let numbered = |mesh: TetMesh| io::Piece { numbers: numbers_of(&mesh), mesh };
     io::write_parts(&path, &[empty, piece(&mesh, 0), second].map(numbered)).unwrap();
     assert_eq!(io::read_mesh(&path).unwrap(), mesh);
     let files = io::mesh_files(&path);

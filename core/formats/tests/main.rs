@@ -9,6 +9,7 @@ mod io_refusals;
 mod liberal;
 mod mesh_io;
 mod msh;
+mod parted;
 mod ply;
 mod slices;
 mod strategies;

@@ -10,6 +10,7 @@
 //! | `ask` | questions to the member that has the answer; tags of points |
 //! | `hash` | the hash `ltbw.mesh/1`, byte for byte |
 //! | `stream` | the bytes of that hash on their way |
+//! | `border` | what parts have in common, for files that solvers read |
 //! | `gather` | tetrahedra and points at one place, for files that hold all; points dealt |
 //! | `thickness` | whether the points are nearly in one plane |
 //!
@@ -17,6 +18,7 @@
 //! stretches of about equal length, and the bytes of the hash go through where they are.
 
 mod ask;
+mod border;
 mod gather;
 mod hash;
 mod order;
@@ -28,6 +30,7 @@ mod thickness;
 
 pub(crate) use ask::ask;
 pub use ask::tags;
+pub use border::border;
 pub use gather::{Gathered, Points, deal, gather, gather_points};
 pub use hash::{Hashed, hash};
 pub use order::{Ordered, Placed, order};

@@ -16,9 +16,19 @@
 //! Gmsh allows), else a view `region`. Boundary triangles come last, each different marker as a
 //! surface and a physical group; a marker that can be no group (0, say) has a free one, named
 //! `marker 0`. The hash of the mesh, where it is given, is a section `$Comments`.
+//!
+//! In parts, `m_1.msh`, `m_2.msh` and so on: what Gmsh itself writes with the options
+//! `Mesh.PartitionSplitMeshFiles` and `Mesh.PartitionCreateGhostCells`, without entities between
+//! partitions. Each has a volume of
+//! its own partition for each region, a surface for each marker, and a ghost volume: the tetrahedra
+//! of other parts that have a vertex of its own, with the partition that owns them. Nodes and
+//! elements have the numbers of the whole, those that part 1 owns first. Tags of points are not
+//! kept. Read under the name `m_%.msh`: copies are left out, nodes are put together by number.
 //! Source: the Gmsh reference manual, "MSH file format" and "Legacy formats".
 
+mod parted;
 mod parts;
+mod sink;
 mod source;
 mod v2;
 mod v4;
@@ -27,15 +37,44 @@ mod write;
 pub use super::MshVersion;
 
 use super::error::{ParseError, Place, Reason, excerpt};
+use super::parted::part_file;
+use super::pvtu::Join;
 use super::text::{capacity, count};
-use super::{GroupName, MeshFile};
+use super::{GroupName, IoError, Load, MeshFile, parse_error};
+pub(crate) use parted::{check as check_part, write as write_part};
 use parts::{Datum, Parts};
 use source::{Form, Source};
+use std::path::Path;
 pub(super) use write::{check, write_hashed};
 pub use write::{write, write_named};
 
-/// Reads a `.msh` file.
+/// Reads a `.msh` file. Of one that has the mesh of a partition, copies of elements of others are
+/// left out.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    read_part(bytes).map(|part| part.0)
+}
+
+/// Reads the parts `m_1.msh`, `m_2.msh` and so on of the mesh `m_%.msh`, with bytes that `load`
+/// gives, and puts them together as those of a `.pvtu`.
+pub(crate) fn read_parts(path: &Path, load: &mut Load<'_>) -> Result<MeshFile, IoError> {
+    let mut whole = Join::default();
+    let mut count = 1;
+    let mut part = 0;
+    // Each file says how many there are, and there is one for each.
+    while part < count {
+        let name = part_file(path, part);
+        let read = read_part(&load(&name)?).and_then(|(file, partitions)| {
+            count = usize::try_from(partitions).unwrap_or(usize::MAX);
+            whole.add(file)
+        });
+        read.map_err(|error| parse_error(&name, error))?;
+        part += 1;
+    }
+    Ok(whole.finish())
+}
+
+/// A file, and the number of partitions that it tells of.
+fn read_part(bytes: &[u8]) -> Result<(MeshFile, u64), ParseError> {
     let mut source = Source::new(bytes);
     let version = mesh_format(&mut source)?;
     let mut parts = Parts::default();
@@ -61,7 +100,11 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             }
             (b"Elements", MshVersion::V4_1) => v4::elements(&mut source, &mut parts, &volumes)?,
             (b"Elements", MshVersion::V2_2) => v2::elements(&mut source, &mut parts)?,
-            (b"Entities", MshVersion::V4_1) => volumes = v4::entities(&mut source)?,
+            (b"Entities", MshVersion::V4_1) => v4::entities(&mut source, &mut volumes)?,
+            (b"PartitionedEntities", MshVersion::V4_1) => {
+                v4::partitioned(&mut source, &mut volumes)?;
+            }
+            (b"GhostElements", MshVersion::V4_1) => v4::ghosts(&mut source, &mut parts)?,
             (b"PhysicalNames", _) => names(&mut source, &mut parts)?,
             (b"NodeData", _) => data(&mut source, &mut parts, "NodeData")?,
             (b"ElementData", _) => data(&mut source, &mut parts, "ElementData")?,
@@ -74,7 +117,8 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         }
     }
     parts.notes.dedup();
-    parts.mesh().map_err(|reason| ParseError::new(Place::End, reason))
+    let mesh = parts.mesh().map_err(|reason| ParseError::new(Place::End, reason))?;
+    Ok((mesh, volumes.partitions))
 }
 
 /// The name in a line that opens a section, without its `$`.

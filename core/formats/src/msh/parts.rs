@@ -8,7 +8,7 @@ use crate::scalar::exact_integer;
 use crate::{GroupName, MeshFile};
 use ltbw_core::TetMesh;
 use ltbw_exact::Point;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// The cells of an element type, as far as they matter here.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,6 +80,17 @@ impl Nodes {
         }
     }
 
+    /// Keeps some of them, in their order.
+    fn keep(&mut self, is_kept: &[bool]) {
+        let mut kept = is_kept.iter();
+        self.points.retain(|_| kept.next() == Some(&true));
+        let mut kept = is_kept.iter();
+        self.numbers.retain(|_| kept.next() == Some(&true));
+        // Numbers that are different stay so.
+        self.sorted = self.numbers.iter().zip(0..).map(|(&number, i)| (number, i)).collect();
+        self.sorted.sort_unstable();
+    }
+
     /// The index of the node with a number.
     pub(super) fn index(&self, number: u64) -> Option<u32> {
         if self.sorted.is_empty() {
@@ -135,6 +146,8 @@ pub(super) struct Parts {
     pub(super) tags: Option<Vec<Datum>>,
     /// Values of the view `region` in elements, by number.
     pub(super) regions: Option<Vec<Datum>>,
+    /// Numbers of elements that are copies of those of another partition.
+    pub(super) ghosts: HashSet<u64>,
     pub(super) other_elements: bool,
     pub(super) several_groups: bool,
     pub(super) curved: Curved,
@@ -158,8 +171,34 @@ impl Parts {
         Ok(corners)
     }
 
+    /// Leaves out copies of elements, and the nodes that no other element has.
+    fn without_ghosts(&mut self) {
+        let Self { nodes: Some(nodes), tets: Some(tets), triangles, ghosts, .. } = self else {
+            return;
+        };
+        if ghosts.is_empty() {
+            return;
+        }
+        tets.retain(|tet| !ghosts.contains(&tet.number));
+        triangles.retain(|triangle| !ghosts.contains(&triangle.number));
+        let mut is_used = vec![false; nodes.points.len()];
+        let own = tets.iter().flat_map(|tet| tet.corners);
+        own.chain(triangles.iter().flat_map(|t| t.corners))
+            .for_each(|v| is_used[v as usize] = true);
+        let mut places = Vec::with_capacity(is_used.len());
+        let mut count = 0;
+        for &is_used in &is_used {
+            places.push(count);
+            count += u32::from(is_used);
+        }
+        tets.iter_mut().for_each(|tet| tet.corners = tet.corners.map(|v| places[v as usize]));
+        triangles.iter_mut().for_each(|t| t.corners = t.corners.map(|v| places[v as usize]));
+        nodes.keep(&is_used);
+    }
+
     /// The mesh: nodes in the order of the file, tetrahedra in the order of their numbers.
-    pub(super) fn mesh(self) -> Result<MeshFile, Reason> {
+    pub(super) fn mesh(mut self) -> Result<MeshFile, Reason> {
+        self.without_ghosts();
         let Parts { nodes, tets, mut triangles, markers, mut names, .. } = self;
         let (tags, regions, mut notes) = (self.tags, self.regions, self.notes);
         let missing = |name| Reason::Syntax(format!("there is no section `{name}`"));

@@ -13,18 +13,54 @@ pub(super) struct Volumes {
     groups: HashMap<i64, (i64, bool)>,
     /// The first group of each surface that is in one, and whether it is in more.
     surfaces: HashMap<i64, (i64, bool)>,
+    /// The entity of the whole that a volume of a partition is a part of.
+    parents: HashMap<i64, i64>,
+    /// The number of partitions; none is 0.
+    pub(super) partitions: u64,
 }
 
 /// Reads `$Entities`.
-pub(super) fn entities(source: &mut Source<'_>) -> Result<Volumes, ParseError> {
+pub(super) fn entities(source: &mut Source<'_>, volumes: &mut Volumes) -> Result<(), ParseError> {
+    each_entity(source, volumes, false)?;
+    source.end("Entities")
+}
+
+/// Reads `$PartitionedEntities`.
+pub(super) fn partitioned(
+    source: &mut Source<'_>,
+    volumes: &mut Volumes,
+) -> Result<(), ParseError> {
+    volumes.partitions = source.size()?;
+    let ghosts = source.size()?;
+    for _ in 0..ghosts {
+        source.skip(2, Source::int)?;
+    }
+    each_entity(source, volumes, true)?;
+    source.end("PartitionedEntities")
+}
+
+/// Reads entities, of partitions or of the whole.
+fn each_entity(
+    source: &mut Source<'_>,
+    volumes: &mut Volumes,
+    in_parts: bool,
+) -> Result<(), ParseError> {
     let mut counts = [0; 4];
     for count in &mut counts {
         *count = source.size()?;
     }
-    let mut volumes = Volumes::default();
     for (dimension, count) in counts.into_iter().enumerate() {
         for _ in 0..count {
             let tag = source.int()?;
+            if in_parts {
+                let _parent_dimension = source.int()?;
+                let parent = source.int()?;
+                if dimension == 3 {
+                    volumes.parents.insert(tag, parent);
+                }
+                let partitions = source.size()?;
+                source.skip(partitions, Source::int)?;
+            }
             // A point is told by its coordinates, anything else by the corners of its box.
             source.skip(if dimension == 0 { 3 } else { 6 }, Source::double)?;
             let groups = source.size()?;
@@ -43,8 +79,19 @@ pub(super) fn entities(source: &mut Source<'_>) -> Result<Volumes, ParseError> {
             }
         }
     }
-    source.end("Entities")?;
-    Ok(volumes)
+    Ok(())
+}
+
+/// Reads `$GhostElements`: copies of elements of other partitions.
+pub(super) fn ghosts(source: &mut Source<'_>, parts: &mut Parts) -> Result<(), ParseError> {
+    let count = source.size()?;
+    for _ in 0..count {
+        parts.ghosts.insert(source.size()?);
+        let _owner = source.int()?;
+        let partitions = source.size()?;
+        source.skip(partitions, Source::int)?;
+    }
+    source.end("GhostElements")
 }
 
 /// Reads `$Nodes`.
@@ -131,6 +178,7 @@ pub(super) fn elements(
                     parts.curved.tets += usize::from(nodes > 4);
                     let corners = source.first(nodes, Source::size)?;
                     let corners = parts.corners(number, corners).map_err(|r| source.error(r))?;
+                    let entity = volumes.parents.get(&entity).copied().unwrap_or(entity);
                     tets.push(Tet { number, corners, physical, entity });
                 }
             }

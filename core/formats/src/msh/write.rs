@@ -2,10 +2,11 @@
 
 use super::MshVersion;
 use super::parts::{TETRAHEDRON, TRIANGLE};
+use super::sink::Sink;
 use crate::error::DataError;
-use crate::text::{push_integer, push_point, write_rows};
 use crate::{Encoding, GroupName, WriteOptions, carried, check_float_tags};
 use ltbw_core::{BoundaryFace, TetMesh};
+use ltbw_exact::Point;
 use std::io::{Error, ErrorKind, Result, Write};
 
 /// The name of a group of triangles whose marker no group can have: this, and the marker.
@@ -15,7 +16,7 @@ pub(super) const NAME: &str = "marker ";
 pub(super) const VOLUME: &str = "volume ";
 
 /// The form in which the regions of a mesh are written.
-enum Regions<'a> {
+pub(super) enum Regions<'a> {
     /// As physical groups: each different region, ascending.
     Groups(&'a [i64], Vec<i64>),
     /// As values of a view.
@@ -50,14 +51,14 @@ impl<'a> Regions<'a> {
 }
 
 /// The boundary triangles by their markers: each different one is a surface and a physical group.
-struct Surfaces<'a> {
-    faces: &'a [BoundaryFace],
+pub(super) struct Surfaces<'a> {
+    pub(super) faces: &'a [BoundaryFace],
     /// The different markers, ascending.
     markers: Vec<i64>,
     /// Group and name of each: a marker that can be a group is one, and has no name.
-    groups: Vec<(i64, Option<String>)>,
+    pub(super) groups: Vec<(i64, Option<String>)>,
     /// Triangles by marker.
-    order: Vec<usize>,
+    pub(super) order: Vec<usize>,
 }
 
 impl<'a> Surfaces<'a> {
@@ -65,6 +66,15 @@ impl<'a> Surfaces<'a> {
         let mut markers: Vec<i64> = faces.iter().map(|f| f.marker).collect();
         markers.sort_unstable();
         markers.dedup();
+        Self::of_markers(markers, faces, names)
+    }
+
+    /// Triangles that have some of these markers, of which each has a surface.
+    pub(super) fn of_markers(
+        markers: Vec<i64>,
+        faces: &'a [BoundaryFace],
+        names: &[GroupName],
+    ) -> Self {
         let fits = |m: &i64| (1..=i64::from(i32::MAX)).contains(m);
         // Gmsh has no group 0 and no negative one; some readers want all elements in groups.
         let mut taken: Vec<i64> =
@@ -83,14 +93,14 @@ impl<'a> Surfaces<'a> {
     }
 
     /// The surface of a triangle, counted from 0.
-    fn of(&self, face: usize) -> usize {
+    pub(super) fn of(&self, face: usize) -> usize {
         self.markers.partition_point(|&m| m < self.faces[face].marker)
     }
 
     /// The names of groups: those that tell markers, those of volumes without another, and those
     /// given, also of groups in which nothing is: where regions are a view their numbers are still
     /// those of the names.
-    fn write_names(
+    pub(super) fn write_names(
         &self,
         sink: &mut Sink<'_>,
         names: &[GroupName],
@@ -126,97 +136,6 @@ pub(crate) fn check(mesh: &TetMesh) -> std::result::Result<(), DataError> {
     match Regions::new(mesh.tet_tags.as_deref()) {
         Regions::View(tags) => check_float_tags("tetrahedron", Some(tags)),
         _ => Ok(()),
-    }
-}
-
-/// The destination of numbers, and their form.
-struct Sink<'a> {
-    out: &'a mut dyn Write,
-    text: bool,
-}
-
-impl Sink<'_> {
-    fn line(&mut self, text: &str) -> Result<()> {
-        writeln!(self.out, "{text}")
-    }
-
-    /// One row, outside of long lists.
-    fn row(&mut self, fill: impl Fn(&mut Row<'_>)) -> Result<()> {
-        let mut bytes = Vec::new();
-        fill(&mut Row { bytes: &mut bytes, text: self.text });
-        if self.text {
-            bytes.push(b'\n');
-        }
-        self.out.write_all(&bytes)
-    }
-
-    /// A long list, in text a row on a line.
-    fn rows(&mut self, rows: usize, fill: impl Fn(usize, &mut Row<'_>) + Sync) -> Result<()> {
-        let text = self.text;
-        write_rows(self.out, rows, |i, bytes| {
-            fill(i, &mut Row { bytes, text });
-            if text {
-                bytes.push(b'\n');
-            }
-        })
-    }
-
-    /// The end of a section; binary data ends without a line end.
-    fn end(&mut self, name: &str) -> Result<()> {
-        if !self.text {
-            self.out.write_all(b"\n")?;
-        }
-        writeln!(self.out, "$End{name}")
-    }
-}
-
-/// A row of numbers.
-struct Row<'a> {
-    bytes: &'a mut Vec<u8>,
-    text: bool,
-}
-
-impl Row<'_> {
-    fn blank(&mut self) {
-        if self.bytes.last().is_some_and(|&b| b != b'\n') {
-            self.bytes.push(b' ');
-        }
-    }
-
-    fn int(&mut self, value: i64) {
-        if self.text {
-            self.blank();
-            push_integer(self.bytes, value);
-        } else {
-            self.bytes.extend((value as i32).to_le_bytes());
-        }
-    }
-
-    fn size(&mut self, value: u64) {
-        if self.text {
-            self.blank();
-            push_integer(self.bytes, value as i64);
-        } else {
-            self.bytes.extend(value.to_le_bytes());
-        }
-    }
-
-    fn point(&mut self, point: &[f64; 3]) {
-        if self.text {
-            self.blank();
-            push_point(self.bytes, point, b' ');
-        } else {
-            point.iter().for_each(|c| self.bytes.extend(c.to_le_bytes()));
-        }
-    }
-
-    /// An integer as the double that it equals.
-    fn whole(&mut self, value: i64) {
-        if self.text {
-            self.int(value);
-        } else {
-            self.bytes.extend((value as f64).to_le_bytes());
-        }
     }
 }
 
@@ -266,18 +185,10 @@ pub(crate) fn write_hashed(
     let regions = Regions::new(mesh.tet_tags.as_deref());
     let text = encoding == Encoding::Ascii;
     let sink = &mut Sink { out, text };
-    let number = match version {
+    sink.head(match version {
         MshVersion::V4_1 => "4.1",
         MshVersion::V2_2 => "2.2",
-    };
-    sink.line(&format!("$MeshFormat\n{number} {} 8", u8::from(!text)))?;
-    if text {
-        sink.line("$EndMeshFormat")?;
-    } else {
-        // Tells the byte order.
-        sink.row(|row| row.int(1))?;
-        sink.end("MeshFormat")?;
-    }
+    })?;
     if let Some(hash) = hash {
         sink.line(&format!("$Comments\n{}\n$EndComments", carried::line(hash)))?;
     }
@@ -340,43 +251,13 @@ fn version_4(
     surfaces: &Surfaces<'_>,
 ) -> Result<()> {
     let (points, tets) = (&mesh.points, &mesh.tets);
-    let mut low = [0.0; 3];
-    let mut high = [0.0; 3];
-    for (k, p) in points.iter().enumerate() {
-        for axis in 0..3 {
-            low[axis] = if k == 0 { p[axis] } else { p[axis].min(low[axis]) };
-            high[axis] = if k == 0 { p[axis] } else { p[axis].max(high[axis]) };
-        }
-    }
     let one = [0];
     let volumes: &[i64] = match regions {
         Regions::Groups(_, different) => different,
         _ => &one,
     };
-    sink.line("$Entities")?;
-    let counts = [0, 0, surfaces.markers.len(), volumes.len()];
-    sink.row(|row| counts.iter().for_each(|&n| row.size(n as u64)))?;
-    sink.rows(surfaces.markers.len(), |i, row| {
-        row.int(i as i64 + 1);
-        row.point(&low);
-        row.point(&high);
-        row.size(1);
-        row.int(surfaces.groups[i].0);
-        // No bounding curves.
-        row.size(0);
-    })?;
-    sink.rows(volumes.len(), |i, row| {
-        row.int(i as i64 + 1);
-        row.point(&low);
-        row.point(&high);
-        row.size(u64::from(volumes[i] != 0));
-        if volumes[i] != 0 {
-            row.int(volumes[i]);
-        }
-        // No bounding surfaces.
-        row.size(0);
-    })?;
-    sink.end("Entities")?;
+    let groups: Vec<i64> = surfaces.groups.iter().map(|group| group.0).collect();
+    entities(sink, Bounds::of(points), &groups, volumes)?;
 
     let count = points.len() as u64;
     sink.line("$Nodes")?;
@@ -425,6 +306,49 @@ fn version_4(
         })?;
     }
     sink.end("Elements")
+}
+
+/// The corners of a box around points.
+#[derive(Clone, Copy)]
+pub(super) struct Bounds {
+    pub(super) low: Point,
+    pub(super) high: Point,
+}
+
+impl Bounds {
+    pub(super) fn of(points: &[Point]) -> Self {
+        let mut bounds = Self { low: [0.0; 3], high: [0.0; 3] };
+        for (k, p) in points.iter().enumerate() {
+            for axis in 0..3 {
+                let Self { low, high } = &mut bounds;
+                low[axis] = if k == 0 { p[axis] } else { p[axis].min(low[axis]) };
+                high[axis] = if k == 0 { p[axis] } else { p[axis].max(high[axis]) };
+            }
+        }
+        bounds
+    }
+}
+
+/// Surfaces and volumes, each with its group; 0: none. What bounds them is not told.
+pub(super) fn entities(
+    sink: &mut Sink<'_>,
+    bounds: Bounds,
+    surfaces: &[i64],
+    volumes: &[i64],
+) -> Result<()> {
+    sink.line("$Entities")?;
+    let counts = [0, 0, surfaces.len(), volumes.len()];
+    sink.row(|row| counts.iter().for_each(|&n| row.size(n as u64)))?;
+    for groups in [surfaces, volumes] {
+        sink.rows(groups.len(), |i, row| {
+            row.int(i as i64 + 1);
+            row.point(&bounds.low);
+            row.point(&bounds.high);
+            row.group(groups[i]);
+            row.size(0);
+        })?;
+    }
+    sink.end("Entities")
 }
 
 /// Nodes and elements of version 2.2.

@@ -4,6 +4,7 @@
 //! so a triangle has those of its tetrahedron, and looks like it; tetrahedra have the marker 0.
 
 use super::{TETRAHEDRON, TRIANGLE, names};
+use crate::parted::{Border, Piece};
 use crate::text::{push_float, push_integer, push_point, write_rows};
 use crate::{Encoding, GroupName, carried};
 use ltbw_core::TetMesh;
@@ -46,13 +47,15 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io
 }
 
 /// Writes the part of a mesh that a worker has, with the worker's number at each tetrahedron, and
-/// with those of its points in the whole.
+/// with those of its points in the whole and of their owners.
 pub(crate) fn write_part(
     out: &mut dyn Write,
-    mesh: &TetMesh,
-    numbers: &[u32],
-    worker: i32,
+    piece: &Piece,
+    border: &Border,
+    worker: u32,
 ) -> std::io::Result<()> {
+    let Piece { mesh, numbers } = piece;
+    let owners = border.owners(worker, mesh.points.len());
     let cells = mesh.tets.len() + mesh.faces.len();
     let mut arrays = geometry(mesh, Encoding::Binary);
     let points = arrays.len();
@@ -73,7 +76,15 @@ pub(crate) fn write_part(
         row: Box::new(move |k, row| row.extend(i64::from(numbers[k]).to_le_bytes())),
     };
     let after = if section == NUMBERS { points } else { points + 1 };
-    arrays.insert(after, ids);
+    let owners = Column {
+        section,
+        name: "owner",
+        kind: "Int32",
+        rows: owners.len(),
+        bytes: 4 * owners.len(),
+        row: Box::new(move |k, row| row.extend(owners[k].to_le_bytes())),
+    };
+    arrays.splice(after..after, [ids, owners]);
     arrays.push(Column {
         section: if mesh.tet_tags.is_some() { REGIONS } else { CELLS },
         name: "worker",

@@ -1,0 +1,37 @@
+//! `--readers`: what processes have written, read by the programs from which solvers take it.
+
+use super::{Bench, watched, words_of};
+use crate::require;
+use crate::shell::root;
+use std::process::Command;
+use std::time::Duration;
+
+/// The exit code of the script when a package is missing.
+const MISSING: i32 = 3;
+
+/// The longest time of a script.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// Compares the files `parts` in the bench's folder with what one process writes.
+pub(crate) fn run(
+    bench: &Bench,
+    name: &str,
+    arguments: &[String],
+    count: u32,
+) -> Result<(), String> {
+    let whole = words_of(&["-o", "whole.vtu"]);
+    let outcome = bench.ltbw(&[arguments, &whole].concat())?;
+    if outcome.code != Some(0) {
+        return Err(format!("{name}: {}", outcome.stderr));
+    }
+    let python = std::env::var("LTBW_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let mut command = Command::new(python);
+    command.arg(root().join("tests/parted.py")).arg(&bench.folder);
+    let outcome = watched(command.args(["whole.vtu", "parts", &count.to_string()]), PATIENCE)?;
+    print!("{name} by readers: {}", outcome.stdout);
+    match outcome.code {
+        Some(0) => Ok(()),
+        Some(MISSING) => require::skip("readers of parts", "readback", outcome.stdout.trim()),
+        _ => Err(format!("{name} by readers: {}{}", outcome.stdout, outcome.stderr)),
+    }
+}
