@@ -89,11 +89,13 @@ mod report;
 mod rounds;
 mod run;
 mod simulate;
+mod sizes;
 #[cfg(feature = "wire")]
 mod slices;
 mod streams;
 mod surface;
 mod sync;
+mod synonyms;
 mod task;
 mod unrecovered;
 mod vectors;

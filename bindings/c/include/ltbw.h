@@ -192,11 +192,11 @@ typedef struct ltbw_wishes {
    */
   double radius_edge;
   /*
-   A wanted edge length for all places; 0: none.
+   A usual edge length for all places; 0: none.
    */
   double edge_length;
   /*
-   A wanted edge length as a function of the place, or NULL.
+   A usual edge length as a function of the place, or NULL.
    */
   ltbw_size size;
   /*
@@ -270,6 +270,10 @@ typedef struct ltbw_wishes {
    diagonal; 0: none. A note bounds how far the surfaces are apart.
    */
   double simplify;
+  /*
+   The longest edge, exactly; 0: no bound.
+   */
+  double max_edge;
 } ltbw_wishes;
 
 #ifdef __cplusplus

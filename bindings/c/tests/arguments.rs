@@ -33,6 +33,7 @@ const NOTHING: Wishes = Wishes {
     excused_share: 0.0,
     min_dihedral: 0.0,
     simplify: 0.0,
+    max_edge: 0.0,
 };
 
 /// The number of tetrahedra, or the code of the failure.
