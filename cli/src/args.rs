@@ -7,11 +7,10 @@ use crate::numbers::whole;
 use crate::parts::Parting;
 use crate::progress::Show;
 use crate::simulate::Simulate;
-use crate::sizes::Sizes;
+use crate::sizes::Sizing;
 use crate::streams::Streams;
 use crate::surface::Preparation;
 use crate::workers::Mode;
-use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use ltbw::points::MAX_POINTS;
 use std::path::PathBuf;
@@ -88,7 +87,7 @@ Ctrl-C stops early: the mesh of the points inserted so far is written, unchecked
 Examples:
   ltbw generate cube-octahedron -o model.poly
   ltbw mesh model.poly --max-volume 1e-5 -o model.vtu
-  ltbw mesh part.stl --radius-edge 1.5 -o part.msh --json -
+  ltbw mesh part.stl --size 2 -o part.msh --json -
   ltbw mesh model.poly --sizes model.mtr -o model.vtu         edge lengths at the vertices
 
 The vertices of the domain are moved to a lattice (the largest move is reported); every point of
@@ -279,32 +278,22 @@ pub(crate) enum Depth {
 pub(crate) struct MeshArgs {
     /// The domain: .poly .smesh .off .obj .stl .ply .vtk
     pub(crate) domain: PathBuf,
-    /// Where to write the mesh: .vtu .vtk .msh .mesh .ele (with .node); may be given several times
+    /// Where to write: .vtu .vtk .msh .mesh .ele (.node); repeatable
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
     /// Largest circumradius to shortest edge, from 1 on [default: 2]
     ///
-    /// From 2 on it is sure to end.
+    /// It is sure to end from 2 on.
     #[arg(long, value_name = "B", allow_negative_numbers = true)]
     pub(crate) radius_edge: Option<f64>,
-    /// Splits tetrahedra with smaller dihedral angles; up to 12
+    /// Splits dihedral angles below D degrees; up to 12
     #[arg(long, value_name = "D", default_value_t = 8.0, allow_negative_numbers = true)]
     pub(crate) min_dihedral: f64,
     /// Largest volume of a tetrahedron
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub(crate) max_volume: Option<f64>,
-    /// Largest edge length: no volume above that of the regular tetrahedron with such edges
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_negative_numbers = true)]
-    pub(crate) size: Option<f64>,
-    /// Edge lengths at the domain's vertices: .mtr; or .vtu:NAME, at those of the mesh in it
-    ///
-    /// They are linear in between. TetGen's .mtr: `COUNT 1`, then a length for each vertex.
-    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().map(Sizes::of))]
-    pub(crate) sizes: Option<Sizes>,
-    /// The mesh that --sizes is about, not the domain's vertices
-    #[arg(long, value_name = "MESH", requires = "sizes")]
-    #[arg(hide_short_help = true)]
-    pub(crate) background: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) sizing: Sizing,
     /// Bounds in TetGen's switches: `q` with a ratio, `a` a volume
     #[arg(
         long,
@@ -410,6 +399,9 @@ pub(crate) struct Check {
     /// With --plc: no volume may exceed this
     #[arg(long, value_name = "A", requires = "plc")]
     pub(crate) max_volume: Option<f64>,
+    /// With --plc: no edge may be longer than this
+    #[arg(long, value_name = "H", requires = "plc")]
+    pub(crate) max_edge: Option<f64>,
     /// No dihedral angle may be below this many degrees: above 0, at most 90
     #[arg(
         long,
@@ -472,13 +464,6 @@ pub(crate) struct Generate {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) streams: Streams,
-}
-
-/// A length.
-fn length(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
-    let good = value.is_finite() && value > 0.0;
-    good.then_some(value).ok_or_else(|| "a length is positive and finite".to_owned())
 }
 
 /// `ltbw demo`.

@@ -1,15 +1,11 @@
 //! The demands on a mesh of a domain: bounds of the command line, TetGen's switches, sizes.
 
 use crate::args::MeshArgs;
-use crate::binding::{Binding, Chosen, Reads, Role, read_beside};
+use crate::binding::{Binding, Chosen, Reads};
 use crate::console;
-use crate::outcome::{Failure, show};
-use crate::sizes::Given;
+use crate::outcome::Failure;
 use crate::workers::Mode;
-use ltbw::domain::Prepared;
-use ltbw::refine::{Background, BackgroundError, Refiner};
-use ltbw::{Point, TetMesh, io};
-use std::path::Path;
+use ltbw::refine::Refiner;
 
 /// The bounds asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -18,62 +14,26 @@ pub(crate) struct Asked {
     /// Degrees; 0 for none.
     pub(crate) min_dihedral: f64,
     pub(crate) max_volume: Option<f64>,
-    /// An edge length for all places.
-    pub(crate) size: Option<f64>,
+    /// The longest edge.
+    pub(crate) max_edge: Option<f64>,
 }
 
 impl Asked {
-    /// A refiner with these bounds, but for the edge length.
+    /// A refiner with these bounds.
     pub(crate) fn refiner<'a>(self) -> Refiner<'a> {
         let refiner = match self.radius_edge {
             Some(bound) => Refiner::new().radius_edge(bound),
             None => Refiner::new().any_shape(),
         };
-        let refiner = refiner.min_dihedral(self.min_dihedral);
+        let mut refiner = refiner.min_dihedral(self.min_dihedral);
+        if let Some(bound) = self.max_edge {
+            refiner = refiner.max_edge(bound);
+        }
         match self.max_volume {
             Some(bound) => refiner.max_volume(bound),
             None => refiner,
         }
     }
-}
-
-/// The edge length at a place of the prepared domain.
-pub(crate) type Field = Box<dyn Fn(Point) -> f64 + Sync>;
-
-/// The sizing field of the command line, if it asks for one; the files that it is read from go to
-/// `reads`. Sizes are those at the vertices of the mesh that is gone on with, if one is; else those
-/// of a solution are at the points of its own mesh.
-pub(crate) fn field(
-    args: &MeshArgs,
-    ready: &Prepared,
-    reads: &Reads,
-    own: Option<&TetMesh>,
-) -> Result<Option<Field>, Failure> {
-    let constant = args.size.unwrap_or(f64::INFINITY);
-    let Some(asked) = &args.sizes else {
-        return Ok(args.size.map(|_| -> Field { Box::new(move |_| constant) }));
-    };
-    let Given { sizes, on } = asked.read(reads)?;
-    let path = &asked.file;
-    let failed = |error| match error {
-        BackgroundError::Count { .. } if own.is_some() => {
-            Failure::Usage(format!("--sizes {}: {error}", show(path)))
-        }
-        error => Failure::Sizes { path: path.clone(), error },
-    };
-    let background = match (&args.background, own.or(on.as_ref())) {
-        (Some(mesh), _) => {
-            let read = |path: &Path, load: &mut io::Load<'_>| io::read_mesh_by(path, load);
-            let file = read_beside(reads, Role::Background, mesh, read)?;
-            Background::new(&file.mesh, &sizes).map_err(failed)?
-        }
-        (None, Some(mesh)) => Background::new(mesh, &sizes).map_err(failed)?,
-        (None, None) => Background::at_vertices(ready, &sizes).map_err(failed)?,
-    };
-    // A background mesh is in the coordinates of the file, the domain perhaps in those of a frame.
-    let is_of_file = args.background.is_some() || own.is_some() || on.is_some();
-    let offset = if is_of_file { ready.lattice.offset() } else { [0.0; 3] };
-    Ok(Some(Box::new(move |p| background.at([0, 1, 2].map(|k| p[k] + offset[k])).min(constant))))
 }
 
 /// The thing that a switch of TetGen which is no bound asks for, and who does it here.
@@ -115,11 +75,12 @@ pub(crate) fn asked(args: &MeshArgs) -> Result<Asked, Failure> {
             radius_edge,
             min_dihedral: args.min_dihedral,
             max_volume: args.max_volume,
-            size: args.size,
+            max_edge: args.sizing.max_edge,
         });
     };
-    let (asked, over) = switched(switches, args.size)?;
-    let asked = Asked { min_dihedral: args.min_dihedral, ..asked };
+    let (asked, over) = switched(switches)?;
+    let (min_dihedral, max_edge) = (args.min_dihedral, args.sizing.max_edge);
+    let asked = Asked { min_dihedral, max_edge, ..asked };
     for (letter, why) in over {
         console::people(&format!("note: --tetgen-switches: `{letter}` is passed over: {why}"));
     }
@@ -130,10 +91,10 @@ pub(crate) fn asked(args: &MeshArgs) -> Result<Asked, Failure> {
 type PassedOver = Vec<(char, &'static str)>;
 
 /// The bounds that TetGen's switches ask for, and those that are passed over, each once.
-fn switched(switches: &str, size: Option<f64>) -> Result<(Asked, PassedOver), Failure> {
+fn switched(switches: &str) -> Result<(Asked, PassedOver), Failure> {
     let mut over = PassedOver::new();
     let bad = |why: String| Failure::Usage(format!("--tetgen-switches {switches}: {why}"));
-    let mut asked = Asked { size, ..Asked::default() };
+    let mut asked = Asked::default();
     let mut rest = switches.trim_start_matches('-');
     while let Some(letter) = rest.chars().next() {
         rest = &rest[letter.len_utf8()..];
@@ -174,14 +135,15 @@ pub(crate) fn binding(
     let options = Chosen::default()
         .number("radius_edge", asked.radius_edge)
         .number("min_dihedral", Some(asked.min_dihedral))
-        .number("max_volume", asked.max_volume)
-        .number("size", asked.size)
+        .number("max_volume", asked.max_volume);
+    let options = args
+        .sizing
+        .bind(options)
         .with("max_points", args.max_points)
         .number("flat_tolerance", Some(flat_tolerance))
         .number("repair", preparation.repair)
         .number("simplify", preparation.simplify)
         .with("fill", preparation.fill)
-        .with("sizes_field", args.sizes.as_ref().and_then(|sizes| sizes.field.as_ref()))
         .flag("exact_input", preparation.exact_input)
         .flag("local_frame", preparation.local_frame)
         .flag("own_frame", preparation.own_frame)
@@ -210,7 +172,7 @@ mod tests {
     #[test]
     fn bounds_come_from_options_or_from_tetgens_switches() {
         let both =
-            |q, a| Asked { radius_edge: q, min_dihedral: 8.0, max_volume: a, ..Asked::default() };
+            |q, a| Asked { radius_edge: q, min_dihedral: 8.0, max_volume: a, max_edge: None };
         assert_eq!(asked_by(&[]).expect("bounds"), both(Some(2.0), None));
         let cases = [
             ("pq1.4a0.1", both(Some(1.4), Some(0.1))),
@@ -222,11 +184,11 @@ mod tests {
             let found = asked_by(&["--tetgen-switches", switches]).expect("bounds");
             assert_eq!(found, expected, "{switches}");
         }
-        let (_, over) = switched("-VVpQvkefnzCAq1.2", None).expect("bounds");
+        let (_, over) = switched("-VVpQvkefnzCAq1.2").expect("bounds");
         let letters: String = over.iter().map(|&(letter, _)| letter).collect();
         assert_eq!(letters, "VpQvkefnzCA");
         for letter in "YimrwOR".chars() {
-            let error = switched(&format!("pq{letter}"), None).expect_err("no bound").to_string();
+            let error = switched(&format!("pq{letter}")).expect_err("no bound").to_string();
             let named = format!("`{letter}`: ");
             assert!(error.contains(&named) && !error.contains("no such"), "{error}");
         }

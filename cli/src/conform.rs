@@ -48,6 +48,7 @@ pub(crate) fn check(
     let limits = Limits {
         radius_edge: args.radius_edge,
         max_volume: args.max_volume,
+        max_edge: args.max_edge,
         region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
         min_dihedral: args.min_dihedral,
     };
@@ -107,6 +108,7 @@ pub(crate) fn check_own(
     let limits = Limits {
         radius_edge: asked.radius_edge,
         max_volume: asked.max_volume,
+        max_edge: asked.max_edge,
         region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
         min_dihedral: looked_for(refined),
     };

@@ -63,7 +63,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
             radius_edge: Some(RADIUS_EDGE),
             min_dihedral: MIN_DIHEDRAL,
             max_volume: Some(MAX_VOLUME),
-            size: None,
+            max_edge: None,
         },
         field: None,
         crew: None,

@@ -14,7 +14,9 @@ pub(crate) fn is_explained(found: &Conformity, inside: &TetMesh, excused: &Excus
     };
     found.mesh_defect_count == 0
         && found.counts.iter().all(|(&breach, &count)| match breach {
-            ConformityDefect::RatioExceeded | ConformityDefect::VolumeExceeded => {
+            ConformityDefect::RatioExceeded
+            | ConformityDefect::VolumeExceeded
+            | ConformityDefect::EdgeExceeded => {
                 let listed = found.findings.iter().filter(|f| f.breach == breach);
                 // A tetrahedron that is not listed cannot be told to be excused.
                 listed.clone().count() as u64 == count && listed.clone().all(is_excused)

@@ -14,7 +14,7 @@
 //! | `elements` | what `check` tells of a mesh beside its defects |
 //! | `orient` | the orientation of tetrahedra in `convert` |
 //! | `bounds` | what a mesh of a domain is asked for: bounds and sizes |
-//! | `sizes` | the file that `--sizes` names |
+//! | `sizes`, `solution` | wanted edge lengths: of options, of the file that `--sizes` names |
 //! | `page` | a page of HTML about a mesh |
 //! | `conform` | `check --plc` |
 //! | `surface` | how a domain is prepared: repairs, and the surface of what is wrong |
@@ -93,9 +93,11 @@ mod simulate;
 mod sizes;
 #[cfg(feature = "wire")]
 mod slices;
+mod solution;
 mod streams;
 mod surface;
 mod sync;
+mod synonyms;
 mod task;
 mod unrecovered;
 mod vectors;

@@ -1,7 +1,7 @@
 //! `mesh`: read a domain, prepare it, refine, hash, check, write, report.
 
 use crate::args::{Depth, MeshArgs, Refine};
-use crate::bounds::{Asked, Field, asked, binding, field};
+use crate::bounds::{Asked, asked, binding};
 use crate::conform::{certificate, check_own, print, same_volume, summary, tells_all_slivers};
 use crate::console::{self, Stop};
 use crate::excused;
@@ -16,6 +16,7 @@ use crate::pieces::parts_of;
 use crate::progress::{self, Progress, Stage};
 use crate::report::{Input, MeshPart, Predicates, Report, Seconds, quality_json, quality_line};
 use crate::rounds;
+use crate::sizes::{Field, field};
 use crate::streams::Source;
 use crate::surface::{given_json, print_patches, repairs_json, simplified_json};
 use crate::task::{Beside, Files, Judged, Task};
@@ -74,7 +75,7 @@ impl Start {
         let told = Told::of(&mut file);
         let (ready, flat_tolerance) = args.preparation.prepare_file(file, source)?;
         let boundary = args.parting.boundary(&ready, flat_tolerance, told, source);
-        let field = field(args, &ready, source.reads(), None)?;
+        let field = field(&args.sizing, &ready, &boundary, source.reads(), None)?;
         Ok(Self { ready, flat_tolerance, field, boundary })
     }
 }
@@ -93,9 +94,9 @@ pub(crate) fn mesh_from(
     // A `.poly` may have its points in a `.node`.
     let mut inputs =
         going_on.map_or_else(|| io::domain_files(&args.domain), |refine| refine.inputs());
-    inputs.extend(args.sizes.iter().map(|sizes| sizes.file.clone()));
+    inputs.extend(args.sizing.sizes.iter().map(|sizes| sizes.file.clone()));
     inputs.extend(args.preparation.points.clone());
-    inputs.extend(args.background.iter().flat_map(io::mesh_files));
+    inputs.extend(args.sizing.background.iter().flat_map(io::mesh_files));
     let beside =
         [&args.json, &args.histogram, &args.page, &args.trace, &args.preparation.write_defects];
     let files = Files {

@@ -4,10 +4,11 @@
 use crate::console;
 use crate::streams::Source;
 use ltbw::Point;
-use ltbw::domain::{LARGEST_FEATURE_ANGLE, Part, Parts, Prepared};
+use ltbw::domain::{FEATURE_ANGLE, LARGEST_FEATURE_ANGLE, Part, Parts, Prepared};
 use ltbw::io::{DomainFile, GroupName};
 use ltbw::refine::{Given, Refined};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 
 /// Parts that people are shown.
 const SHOWN: usize = 9;
@@ -20,9 +21,8 @@ const LISTED: usize = 1000;
 pub(crate) struct Parting {
     /// Parts that are smooth within A degrees get markers; 0: none
     ///
-    /// Markers count from 1, by area, then place; parts are told, and the mesh does not depend on
-    /// them. Default: 40 for surfaces, 0 for .poly and .smesh. Markers, or several solids, groups,
-    /// materials or colours of a file are its parts instead, with their names.
+    /// Markers are 1, 2, ... by area; the mesh does not depend on them. Default: 40 for surfaces.
+    /// Markers, solids, groups, materials or colours of a file are its parts instead.
     #[arg(long, value_name = "A", value_parser = feature_angle, allow_negative_numbers = true)]
     pub(crate) feature_angle: Option<f64>,
 }
@@ -100,6 +100,28 @@ impl Boundary {
             true => refined.with_markers(self.parts.markers.clone()),
             false => refined,
         }
+    }
+
+    /// The marker that a word means: a name of a part, or the marker itself.
+    pub(crate) fn marker(&self, word: &str) -> Option<i32> {
+        let own = |n: &&GroupName| n.dimension == 2 && n.name == word;
+        let named = self.names.iter().find(own).and_then(|n| i32::try_from(n.group).ok());
+        named.or_else(|| word.trim().parse().ok())
+    }
+
+    /// The smooth parts, also of a domain with markers.
+    pub(crate) fn smooth(&self, ready: &Prepared) -> Cow<'_, Parts> {
+        match self.are_smooth {
+            true => Cow::Borrowed(&self.parts),
+            false => Cow::Owned(Parts::smooth(ready, FEATURE_ANGLE, 0.0)),
+        }
+    }
+
+    /// The marker of a facet of the domain.
+    pub(crate) fn marker_of(&self, ready: &Prepared, facet: usize) -> i32 {
+        let own = || ready.domain.facets.get(facet).map_or(0, |own| own.marker);
+        let smooth = self.parts.markers.get(facet).copied().filter(|_| self.are_smooth);
+        smooth.unwrap_or_else(own)
     }
 
     fn name(&self, marker: i32) -> Option<&str> {

@@ -2,13 +2,13 @@
 
 use crate::args::Refine;
 use crate::binding::{Role, read_beside};
-use crate::bounds::{Field, field};
 use crate::console;
 use crate::mesh::{Start, mesh_from};
 use crate::others::Others;
 use crate::outcome::{Exit, Failure, show};
 use crate::parts::Told;
 use crate::progress::Stage;
+use crate::sizes::{Field, field};
 use crate::streams::{Formats, Source};
 use crate::surface::given;
 use ltbw::TetMesh;
@@ -66,10 +66,10 @@ impl Refine {
                 (ready, flat)
             }
         };
-        let field = field(&self.mesh, &ready, source.reads(), Some(&file.mesh))?;
-        let field = self.marked(&file.mesh, ready.lattice.offset(), source, field)?;
         let told = Told::named(file.names);
         let boundary = self.mesh.parting.boundary(&ready, flat, told, source);
+        let field = field(&self.mesh.sizing, &ready, &boundary, source.reads(), Some(&file.mesh))?;
+        let field = self.marked(&file.mesh, ready.lattice.offset(), source, field)?;
         Ok(Start { ready, flat_tolerance: flat, field, boundary })
     }
 

@@ -3,6 +3,7 @@
 use crate::console;
 use crate::help;
 use crate::outcome::{Exit, Failure};
+use crate::synonyms::meant;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::ffi::OsString;
 use std::io::{Write, stdout};
@@ -26,14 +27,20 @@ impl Refusal {
             _ => (Exit::Usage, false),
         };
         let text = error.to_string();
-        let text =
-            if is_help { text } else { one_line(&text, &tips(error), &help::command(words)) };
+        let text = if is_help {
+            text
+        } else {
+            one_line(&text, &tips(error, words), &help::command(words))
+        };
         Self { exit: exit as u8, is_help, text }
     }
 }
 
-/// The suggestions of clap.
-fn tips(error: &clap::Error) -> String {
+/// The options that words of another mesher mean here; else the suggestions of clap.
+fn tips(error: &clap::Error, words: &[OsString]) -> String {
+    if let Some(ours) = meant(error, words) {
+        return format!("; here it is {ours}");
+    }
     let kinds =
         [ContextKind::SuggestedArg, ContextKind::SuggestedSubcommand, ContextKind::SuggestedValue];
     let words = kinds.into_iter().filter_map(|kind| match error.get(kind)? {

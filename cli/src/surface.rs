@@ -50,9 +50,8 @@ pub(crate) struct Preparation {
     pub(crate) flat_tolerance: Option<f64>,
     /// Collapse triangles within this distance, before meshing
     ///
-    /// Each vertex that is left is one of the file. Nothing crosses, topology, markers and sharp
-    /// edges stay, and neither surface is farther from the other, which is stated. At most 5 % of
-    /// the domain's diagonal.
+    /// Vertices that are left are the file's. Nothing crosses; topology, markers, sharp edges stay;
+    /// how far the surfaces are apart is stated. At most 5 % of the domain's diagonal.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) simplify: Option<f64>,
     /// Measure from the middle of the domain: keeps more bits far off
@@ -73,10 +72,10 @@ pub(crate) struct Preparation {
     #[arg(long, value_name = "none|auto|X,Y,Z;...", allow_hyphen_values = true)]
     #[arg(hide_short_help = true)]
     pub(crate) holes: Option<Holes>,
-    /// Refuse input that would be repaired, left out or guessed; let nothing be excused
+    /// Refuse input to be repaired, left out, guessed; excuse nothing
     #[arg(long)]
     pub(crate) strict: bool,
-    /// Write facets with defects: .ply .poly (kind: marker) .off .obj .stl
+    /// Write defective facets: .ply .poly (kind: marker) .off .obj .stl
     #[arg(long, value_name = "FILE")]
     #[arg(hide_short_help = true)]
     pub(crate) write_defects: Option<PathBuf>,

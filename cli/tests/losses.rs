@@ -117,7 +117,7 @@ fn attributes_of_regions_reach_the_mesh() {
 }
 
 #[test]
-fn names_of_groups_survive_in_msh_and_are_told_elsewhere() {
+fn names_of_groups_survive_in_msh_and_vtu_and_are_told_elsewhere() {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
     let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 4 \"inlet wall\"\n\
@@ -126,7 +126,9 @@ fn names_of_groups_survive_in_msh_and_are_told_elsewhere() {
                 $EndElements\n";
     std::fs::write(dir.join("g.msh"), text).unwrap();
     let named = [(2, 4, "inlet wall"), (3, 7, "steel")];
-    for (output, options) in [("a.msh", &[][..]), ("b.msh", &["--msh2"]), ("c.msh", &["--ascii"])] {
+    for (output, options) in
+        [("a.msh", &[][..]), ("b.msh", &["--msh2"]), ("c.msh", &["--ascii"]), ("a.vtu", &[])]
+    {
         let args = [&["convert", "g.msh", output][..], options].concat();
         let told = notes(dir, &args);
         assert_eq!(told.len(), 1, "the name of the curve: {told:?}");
@@ -136,7 +138,7 @@ fn names_of_groups_survive_in_msh_and_are_told_elsewhere() {
         assert_eq!((file.mesh.faces[0].marker, file.mesh.tet_tags), (4, Some(vec![7])));
         assert!(file.notes.is_empty(), "{:?}", file.notes);
     }
-    for output in ["a.vtu", "a.vtk", "a.mesh", "a.ele", "a.xyz"] {
+    for output in ["a.vtk", "a.mesh", "a.ele", "a.xyz"] {
         let told = notes(dir, &["convert", "a.msh", output]);
         let text = "names of groups are not kept: this format has no place for them";
         assert!(told.iter().any(|note| note.ends_with(text)), "{output}: {told:?}");
@@ -156,7 +158,9 @@ fn names_survive_where_groups_do_not() {
                 5 4 2 0 1 1 3 2 5\n$EndElements\n";
     std::fs::write(dir.join("g.msh"), text).unwrap();
     let named = [(2, 1, "inlet"), (2, 4, "wall"), (3, 7, "steel"), (3, 8, "air")];
-    for (output, options) in [("a.msh", &[][..]), ("b.msh", &["--msh2"]), ("c.msh", &["--ascii"])] {
+    for (output, options) in
+        [("a.msh", &[][..]), ("b.msh", &["--msh2"]), ("c.msh", &["--ascii"]), ("a.vtu", &[])]
+    {
         let args = [&["convert", "g.msh", output][..], options].concat();
         let told = notes(dir, &args);
         let lost = "1 triangles that are faces of no tetrahedron are not read";

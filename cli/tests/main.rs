@@ -29,6 +29,7 @@ mod schemas;
 mod signals;
 mod simplify;
 mod simulated;
+mod sizes;
 mod streams;
 mod vectors;
 mod without;

@@ -100,7 +100,7 @@ fn counts_may_be_written_with_an_exponent_and_bounds_may_be_negative_to_be_refus
         assert_eq!(run.code, 2, "{count}: {}", run.stderr);
     }
     assert_eq!(ltbw(dir.path(), &["generate", "wedge", "-o", "d.poly"]).code, 0);
-    for bound in ["--max-volume", "--radius-edge", "--size"] {
+    for bound in ["--max-volume", "--radius-edge", "--size", "--max-edge", "--growth"] {
         let run = ltbw(dir.path(), &["mesh", "d.poly", bound, "-1"]);
         assert_eq!(run.code, 2, "{bound}: {}", run.stderr);
         assert!(run.error().contains("-1") && !run.error().contains("unexpected argument"));
@@ -220,9 +220,8 @@ fn short_times_have_digits_and_help_tells_the_codes_of_its_command() {
     // Neither checks a convert its own output, nor finds it defects.
     assert!(help.contains("\n  6  ") && !help.contains("\n  5  "), "{help}");
     let help = ltbw(dir.path(), &["mesh", "--help"]).stdout;
-    let (_, size) = help.split_once("--size <LENGTH>").unwrap();
-    let size: Vec<&str> = size.split("--sizes").next().unwrap().split_whitespace().collect();
-    assert!(size.join(" ").contains("no volume above that of the regular tetrahedron"), "{size:?}");
+    let (_, size) = help.split_once("--size <H>").unwrap();
+    assert!(size.trim_start().starts_with("Usual edge length"), "{size}");
 }
 
 /// Files that newcomers bring: each is read, or refused by a line that names what is.

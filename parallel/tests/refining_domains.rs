@@ -53,7 +53,7 @@ fn check_mesh(name: &str, ready: &Prepared, volume: f64, refined: &Refined) {
             .iter()
             .map(|r| r.max_volume.filter(|v| *v > 0.0))
             .collect(),
-        min_dihedral: None,
+        ..Limits::default()
     };
     let view = ltbw_verify::Mesh::new(&inside.points, &inside.tets);
     let options = ltbw_verify::Options::default();

@@ -192,11 +192,11 @@ typedef struct ltbw_wishes {
    */
   double radius_edge;
   /*
-   A wanted edge length for all places; 0: none.
+   A usual edge length for all places; 0: none.
    */
   double edge_length;
   /*
-   A wanted edge length as a function of the place, or NULL.
+   A usual edge length as a function of the place, or NULL.
    */
   ltbw_size size;
   /*
@@ -274,6 +274,10 @@ typedef struct ltbw_wishes {
    Close holes of the surface of up to so many edges by triangles, at most 256; below 3: none.
    */
   uint32_t fill;
+  /*
+   The longest edge, exactly; 0: no bound.
+   */
+  double max_edge;
 } ltbw_wishes;
 
 #ifdef __cplusplus

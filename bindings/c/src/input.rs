@@ -66,9 +66,9 @@ pub struct Wishes {
     pub max_volume: f64,
     /// The largest circumradius to shortest edge; 0: no bound. 2 is the usual one.
     pub radius_edge: f64,
-    /// A wanted edge length for all places; 0: none.
+    /// A usual edge length for all places; 0: none.
     pub edge_length: f64,
-    /// A wanted edge length as a function of the place, or NULL.
+    /// A usual edge length as a function of the place, or NULL.
     pub size: Size,
     /// Handed to the size function.
     pub context: *mut c_void,
@@ -113,6 +113,8 @@ pub struct Wishes {
     pub simplify: f64,
     /// Close holes of the surface of up to so many edges by triangles, at most 256; below 3: none.
     pub fill: u32,
+    /// The longest edge, exactly; 0: no bound.
+    pub max_edge: f64,
 }
 
 /// The values at a pointer, which are not looked at. Null is refused, and so are more values than
@@ -268,6 +270,7 @@ impl Wishes {
         Ok(Asked {
             wishes: ltbw_bindings::Wishes {
                 max_volume: positive(given.max_volume),
+                max_edge: positive(given.max_edge),
                 radius_edge: positive(given.radius_edge),
                 max_points: (given.max_points > 0).then_some(given.max_points),
                 holes,
@@ -287,6 +290,7 @@ impl Wishes {
                     .map(|share| if share < 0.0 { 0.0 } else { share }),
                 min_dihedral: positive(given.min_dihedral)
                     .map(|degrees| if degrees < 0.0 { 0.0 } else { degrees }),
+                ..ltbw_bindings::Wishes::default()
             },
             edge_length,
             size: given.size,

@@ -34,6 +34,7 @@ const NOTHING: Wishes = Wishes {
     min_dihedral: 0.0,
     simplify: 0.0,
     fill: 0,
+    max_edge: 0.0,
 };
 
 /// The number of tetrahedra, or the code of the failure.

@@ -82,9 +82,9 @@ fn conformity(
     flat_tolerance: f64,
     options: &verify::Options,
 ) -> (Conformity, bool) {
-    let Wishes { radius_edge, max_volume, .. } = *wishes;
+    let Wishes { radius_edge, max_volume, max_edge, .. } = *wishes;
     let region_volumes = ready.domain.regions.iter().map(|r| r.max_volume).collect();
-    let limits = Limits { radius_edge, max_volume, region_volumes, min_dihedral: None };
+    let limits = Limits { radius_edge, max_volume, max_edge, region_volumes, min_dihedral: None };
     let (plc, tags) = (plc_of(ready.judged(), flat_tolerance), mesh.tet_tags.as_deref());
     let given = verify::Mesh::new(&mesh.points, &mesh.tets);
     let found = verify::conforms(&given, &plc, tags, &limits, options);
@@ -158,8 +158,12 @@ fn is_explained(found: &Conformity, tets: &[[u32; 4]], excused: &HashSet<[u32; 4
     found.mesh_defect_count == 0
         && found.counts.iter().all(|(&breach, &count)| {
             let listed = found.findings.iter().filter(|f| f.breach == breach);
-            matches!(breach, ConformityDefect::RatioExceeded | ConformityDefect::VolumeExceeded)
-                && listed.clone().count() as u64 == count
+            matches!(
+                breach,
+                ConformityDefect::RatioExceeded
+                    | ConformityDefect::VolumeExceeded
+                    | ConformityDefect::EdgeExceeded
+            ) && listed.clone().count() as u64 == count
                 && listed.clone().all(|f| f.ids.first().is_some_and(is_excused))
         })
 }

@@ -5,10 +5,12 @@ use crate::body::Body;
 use crate::certificate::{self, Excused, Order};
 use crate::failure::{Class, Failure};
 use crate::result::{Meshed, Outcome};
-use crate::wishes::Wishes;
-use ltbw::domain::{Domain, Facet, LARGEST_FEATURE_ANGLE, Parts, PrepareOptions, Prepared};
+use crate::wishes::{SizeAt, Wishes};
+use ltbw::domain::{Domain, FEATURE_ANGLE, Facet, LARGEST_FEATURE_ANGLE, Parts};
+use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::io::{self, DomainFile, GroupName};
 use ltbw::refine::{Background, ExcusedShare, Given, RefineOutcome, Refined, Refiner};
+use ltbw::refine::{Sizes, SizesError};
 use ltbw::{CancelToken, Observer, Point, TetMesh};
 use std::path::PathBuf;
 
@@ -116,6 +118,49 @@ impl Ready {
         self.prepared.lattice.offset()
     }
 
+    /// Edge lengths near places, at parts and by curvature, if some are asked for.
+    ///
+    /// # Errors
+    /// Lengths, radii, factors and parts that make no sense.
+    pub fn graded(&self, wishes: &Wishes) -> Result<Option<Sizes>, Failure> {
+        let somewhere = !wishes.near.is_empty() || !wishes.size_at.is_empty();
+        if !somewhere && wishes.curvature.is_none() {
+            return Ok(None);
+        }
+        let wrong = |code: &'static str, error: &SizesError| {
+            let name = code.split('.').next().unwrap_or_default();
+            Failure::new(Class::Input, code, format!("{name}: {error}"))
+        };
+        let mut sizes = Sizes::new(&self.prepared);
+        if let Some(growth) = wishes.growth {
+            sizes = sizes.growth(growth).map_err(|e| wrong("growth.value", &e))?;
+        }
+        for near in &wishes.near {
+            let added = sizes.near(near.at, near.length, near.radius);
+            sizes = added.map_err(|e| wrong("near.value", &e))?;
+        }
+        let domain = &self.prepared.domain;
+        for SizeAt { part, length } in &wishes.size_at {
+            let own = |n: &&GroupName| n.dimension == 2 && n.name == *part;
+            let named = self.names.iter().find(own).map(|n| n.group);
+            let marker = named.or_else(|| part.parse().ok());
+            let is_meant = |f: usize| {
+                let own =
+                    self.parts.as_ref().map_or(&domain.facets[f].marker, |all| &all.markers[f]);
+                marker == Some(i64::from(*own))
+            };
+            let added = sizes.at_facets(domain, is_meant, *length);
+            sizes = added.map_err(|e| wrong("size_at.value", &e))?;
+        }
+        if let Some(per_turn) = wishes.curvature {
+            let smooth = || Parts::smooth(&self.prepared, FEATURE_ANGLE, self.flat_tolerance);
+            let parts = self.parts.clone().unwrap_or_else(smooth);
+            let curved = sizes.curved(domain, &parts, per_turn);
+            sizes = curved.map_err(|e| wrong("curvature.value", &e))?;
+        }
+        Ok(Some(sizes))
+    }
+
     /// Edge lengths at the vertices of the source.
     ///
     /// # Errors
@@ -150,6 +195,9 @@ impl Ready {
         let mut refiner = refiner.observer(observer).cancel(cancel);
         if let Some(bound) = wishes.max_volume {
             refiner = refiner.max_volume(bound);
+        }
+        if let Some(bound) = wishes.max_edge {
+            refiner = refiner.max_edge(bound);
         }
         if let Some(count) = wishes.max_points {
             refiner = refiner.max_points(count);

@@ -33,7 +33,7 @@ pub use failure::{Class, Defect, Failure};
 pub use points::delaunay;
 pub use result::{Meshed, Outcome, save};
 pub use sync::Progress;
-pub use wishes::Wishes;
+pub use wishes::{Near, SizeAt, Wishes};
 pub use work::{PATIENCE, Reins, in_own_pool, in_pool, unpanicked};
 
 pub use ltbw::domain::{Frame, Holes};

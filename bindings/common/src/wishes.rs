@@ -1,12 +1,43 @@
 //! Demands on the mesh of a domain.
 
+use ltbw::Point;
 use ltbw::domain::{Frame, Holes, Region};
+
+/// Short edges near a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Near {
+    /// The place, in the coordinates of the input.
+    pub at: Point,
+    /// The length.
+    pub length: f64,
+    /// The radius.
+    pub radius: f64,
+}
+
+/// Short edges at a part of the boundary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SizeAt {
+    /// The marker, or the name.
+    pub part: String,
+    /// The length.
+    pub length: f64,
+}
 
 /// Bounds and options.
 #[derive(Clone, Debug, Default)]
 pub struct Wishes {
     /// The largest volume of a tetrahedron.
     pub max_volume: Option<f64>,
+    /// The longest edge.
+    pub max_edge: Option<f64>,
+    /// Edges of a length within a radius of a place, each.
+    pub near: Vec<Near>,
+    /// Edges of a length at a part of the boundary, by its marker or name, each.
+    pub size_at: Vec<SizeAt>,
+    /// Edges in a full turn of a curved surface.
+    pub curvature: Option<f64>,
+    /// The factor by which edges grow from there; `None`: the usual one.
+    pub growth: Option<f64>,
     /// The largest circumradius to shortest edge.
     pub radius_edge: Option<f64>,
     /// The degrees below which a dihedral angle is split, at most 12; 0: none is. `None`: what is

@@ -8,7 +8,8 @@ use crate::supervise::supervised;
 use ltbw::Point;
 use ltbw::domain::Region;
 use ltbw::refine::Refined;
-use ltbw_bindings::{Class, Frame, Holes, Ready, Reins, Source, Wishes, in_pool, unpanicked};
+use ltbw_bindings::{Class, Frame, Holes, Near, Ready, Reins, SizeAt, Source, Wishes};
+use ltbw_bindings::{Field, in_pool, unpanicked};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -53,6 +54,13 @@ pub(crate) struct Asked {
     radius_edge: Option<f64>,
     min_dihedral: Option<f64>,
     size: Option<Size>,
+    max_edge: Option<f64>,
+    /// A place, a length, a radius.
+    near: Vec<(Point, f64, f64)>,
+    /// A part by its marker or name, a length.
+    size_at: Vec<(String, f64)>,
+    curvature: Option<f64>,
+    growth: Option<f64>,
     max_points: Option<u64>,
     holes: Option<Void>,
     /// A point inside, an attribute, the largest volume.
@@ -76,8 +84,15 @@ impl Asked {
             attribute,
             max_volume,
         };
+        let near = |&(at, length, radius): &(Point, f64, f64)| Near { at, length, radius };
+        let at = |(part, length): &(String, f64)| SizeAt { part: part.clone(), length: *length };
         Wishes {
             max_volume: self.max_volume,
+            max_edge: self.max_edge,
+            near: self.near.iter().map(near).collect(),
+            size_at: self.size_at.iter().map(at).collect(),
+            curvature: self.curvature,
+            growth: self.growth,
             radius_edge: self.radius_edge,
             min_dihedral: self.min_dihedral,
             max_points: self.max_points,
@@ -127,8 +142,14 @@ pub(crate) fn tetrahedralize(
             if let (None, Some(Size::Function(_))) = (&field, &asked.size) {
                 return Ok((ready, None));
             }
-            let refined =
-                ready.refine(&wishes, field.as_deref(), false, &reins.progress, &reins.cancel)?;
+            let graded = ready.graded(&wishes)?;
+            let both = |p| {
+                let own = field.as_ref().map_or(f64::INFINITY, |field| field(p));
+                graded.as_ref().map_or(own, |sizes| own.min(sizes.at(p)))
+            };
+            let is_asked = field.is_some() || graded.is_some();
+            let field = is_asked.then_some(&both as &Field<'_>);
+            let refined = ready.refine(&wishes, field, false, &reins.progress, &reins.cancel)?;
             Ok((ready, Some(refined)))
         })
     };
@@ -171,8 +192,9 @@ fn with_function(
     forked()?;
     let reins = Reins::default();
     let asked = Function::new(function, ready.offset(), &reins, tell);
+    let graded = ready.graded(wishes)?;
     let refined = py.detach(|| {
-        let field = |p| asked.at(p);
+        let field = |p| graded.as_ref().map_or(f64::INFINITY, |own| own.at(p)).min(asked.at(p));
         unpanicked(|| Ok(ready.refine(wishes, Some(&field), true, &asked, &reins.cancel)?))
     });
     asked.raised().map_or(refined, Err)

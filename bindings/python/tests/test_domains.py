@@ -338,3 +338,66 @@ def test_a_certificate_has_three_words():
         assert caught.value.code == "refine.bound"
     cube = ltbw.check(np.eye(4, 3), [[0, 1, 2, 3]], any_order=True)
     assert cube and cube.verdict == "passed"
+
+
+def edges(mesh):
+    """The lengths of the edges."""
+    pairs = [mesh.simplices[:, [i, j]] for i in range(4) for j in range(i)]
+    ends = np.unique(np.sort(np.vstack(pairs), axis=1), axis=0)
+    return np.linalg.norm(mesh.points[ends[:, 0]] - mesh.points[ends[:, 1]], axis=1)
+
+
+def test_sizes_are_usual_and_longest_edges(cube):
+    assert 0.9 < edges(ltbw.tetrahedralize(cube, size=0.1)).mean() / 0.1 < 1.1
+    by_function = ltbw.tetrahedralize(cube, size=lambda p: 0.1)
+    assert by_function.hash == ltbw.tetrahedralize(cube, size=0.1).hash
+    longest = ltbw.tetrahedralize(cube, max_edge=0.2)
+    assert longest.certificate.passed and edges(longest).max() <= 0.2
+
+
+def test_edges_are_short_near_places_and_at_parts(cube, program, tmp_path):
+    path = tmp_path / "cube.off"
+    corners, faces = cube
+    lines = ["OFF", f"{len(corners)} {len(faces)} 0"]
+    lines += [" ".join(map(str, p)) for p in corners]
+    lines += [" ".join(map(str, [len(f), *f])) for f in faces]
+    path.write_text("\n".join(lines) + "\n")
+    near = {"near": [((1, 1, 1), 0.05, 0.2)], "size_at": {"part 1": 0.1}, "growth": 1.5}
+    mesh = ltbw.tetrahedralize(path, size=0.3, **near)
+    options = "--size 0.3 --near 1,1,1:0.05:0.2 --size-at 1:0.1 --growth 1.5"
+    assert mesh.hash == program("mesh", path, *options.split()).split()[-1]
+    assert ltbw.tetrahedralize(cube, size=lambda p: 0.3, **near).hash == mesh.hash
+    for name, wrong in (
+        ("near", [((1, 1), 0.1)]),
+        ("near", [((1, 1, 1), -1.0)]),
+        ("size_at", {"nothing": 0.1}),
+        ("size_at", 3),
+        ("growth", 0.5),
+        ("feature_angle", 100),
+        ("max_edge", -1),
+    ):
+        more = {"near": near["near"]} if name == "growth" else {}
+        with pytest.raises(ltbw.InputError):
+            ltbw.tetrahedralize(cube, **{**more, name: wrong})
+
+
+def test_parts_have_names(cube, tmp_path):
+    mesh = ltbw.tetrahedralize(cube)
+    assert list(mesh.parts) == [f"part {k}" for k in range(1, 7)]
+    assert sorted(np.concatenate(list(mesh.parts.values()))) == list(range(len(mesh.triangles)))
+    assert not ltbw.tetrahedralize(cube, feature_angle=0).triface_markers.any()
+    corners, faces = cube
+    marked = ltbw.tetrahedralize((corners, faces, range(10, 16)))
+    assert "marker 10" in marked.parts
+    path = tmp_path / "named.obj"
+    lines = [f"v {x} {y} {z}" for x, y, z in corners]
+    for k, face in enumerate(faces):
+        lines += [f"g {'bottom' if k == 0 else 'rest'}", "f " + " ".join(str(v + 1) for v in face)]
+    path.write_text("\n".join(lines) + "\n")
+    named = ltbw.tetrahedralize(path)
+    assert set(named.parts) == {"bottom", "rest"}
+    axis = np.ptp(named.points[named.triangles[named.parts["bottom"]]].reshape(-1, 3), axis=0)
+    assert (axis == 0).sum() == 1
+    named.save(tmp_path / "named.msh")
+    assert '"bottom"' in (tmp_path / "named.msh").read_bytes().decode("latin-1")
+    assert ltbw.delaunay(corners).parts == {}

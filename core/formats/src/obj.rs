@@ -3,7 +3,8 @@
 //! Read: the coordinates of every statement `v`; for a domain also every statement `f`, a face of
 //! any number of corners `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 1, or from the last
 //! vertex if negative. Several groups (`g`, `o`) or materials (`usemtl`) with faces are groups of
-//! these. Weights and colours of vertices, and all other statements, are not read; a note says so. A line that ends in a backslash goes on in the next.
+//! these. Weights and colours of vertices, and all other statements, are not read; a note says so.
+//! A line that ends in a backslash goes on in the next.
 //! Source: Wavefront, "Advanced Visualizer Manual", appendix B1.
 
 use super::error::{ParseError, Reason, excerpt};

@@ -21,7 +21,7 @@
 //!
 //! At the root: the insertion of a point (`fill`), reasons (`outcome`), tables, arrays for threads
 //! (`sync`), flat tetrahedra as they come (`thin`), a mesh written whole (`whole`), a mesh gone on
-//! with (`resume`).
+//! with (`resume`), edge lengths by place (`sizes`).
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
@@ -41,6 +41,7 @@ mod resume;
 mod rounds;
 mod rules;
 mod run;
+mod sizes;
 mod start;
 mod sync;
 mod table;
@@ -99,6 +100,7 @@ pub use rules::way::{Across, Heading, Stop, View, Way, middle, walk};
 pub use run::Refiner;
 #[doc(hidden)]
 pub use run::{Asked, Delegated, Handed, Remaining};
+pub use sizes::{Sizes, SizesError};
 #[doc(hidden)]
 pub use thin::{Thin, ThinTets};
 pub use whole::MeshError;

@@ -58,6 +58,7 @@ pub struct Refiner<'a> {
     radius_edge: Option<f64>,
     min_dihedral: f64,
     max_volume: Option<f64>,
+    max_edge: Option<f64>,
     field: Option<&'a SizeField<'a>>,
     floor: Option<f64>,
     flat_tolerance: Option<f64>,
@@ -76,6 +77,7 @@ impl std::fmt::Debug for Refiner<'_> {
             .field("radius_edge", &self.radius_edge)
             .field("min_dihedral", &self.min_dihedral)
             .field("max_volume", &self.max_volume)
+            .field("max_edge", &self.max_edge)
             .field("field", &self.field.is_some())
             .field("floor", &self.floor)
             .field("flat_tolerance", &self.flat_tolerance)
@@ -90,6 +92,7 @@ impl Default for Refiner<'_> {
             radius_edge: Some(2.0),
             min_dihedral: MIN_DIHEDRAL,
             max_volume: None,
+            max_edge: None,
             field: None,
             floor: None,
             flat_tolerance: None,
@@ -136,9 +139,17 @@ impl<'a> Refiner<'a> {
         self
     }
 
-    /// Asks for an edge length at each place: a tetrahedron may have the volume of the regular one
-    /// with edges of the length that the field has at its centroid. The function has to give the
-    /// same answer for the same point, a positive number: an infinite one asks for nothing.
+    /// Bounds the length of edges, of all tetrahedra of the domain: exactly, as volumes are.
+    pub fn max_edge(mut self, length: f64) -> Self {
+        self.max_edge = Some(length);
+        self
+    }
+
+    /// Asks for a usual edge length at each place, such as [`Sizes`](crate::Sizes) has: the mean of
+    /// the edges is within 10 % of it where the boundary is no finer. A tetrahedron may have the
+    /// volume of the regular one with edges of 1.18 times the length at its centroid. The function
+    /// has to give the same answer for the same point, a positive number: an infinite one asks for
+    /// nothing.
     ///
     /// It is asked in the coordinates of the mesh: those of the input less [`Lattice::offset`],
     /// which is zero but for a domain that is small beside its distance from the origin. Whoever

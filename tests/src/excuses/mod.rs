@@ -99,7 +99,12 @@ impl Count {
             dot(&minus(a, d), &cross(&minus(b, d), &minus(c, d))).abs() / 6.0
         };
         let is_bound = |breach| {
-            matches!(breach, ConformityDefect::RatioExceeded | ConformityDefect::VolumeExceeded)
+            matches!(
+                breach,
+                ConformityDefect::RatioExceeded
+                    | ConformityDefect::VolumeExceeded
+                    | ConformityDefect::EdgeExceeded
+            )
         };
         let breaches = found.findings.iter().filter(|finding| is_bound(finding.breach));
         // One may be over two bounds.
@@ -138,7 +143,7 @@ impl std::fmt::Display for Count {
 #[must_use]
 pub fn limits(domain: &Domain, radius_edge: Option<f64>, max_volume: Option<f64>) -> Limits {
     let region_volumes = domain.regions.iter().map(|region| region.max_volume).collect();
-    Limits { radius_edge, max_volume, region_volumes, min_dihedral: None }
+    Limits { radius_edge, max_volume, region_volumes, ..Limits::default() }
 }
 
 /// Has the checker judge a mesh without its exterior, and counts what is over a bound; `tolerance`

@@ -93,6 +93,11 @@ def tetrahedralize(
     radius_edge=2.0,
     min_dihedral=8.0,
     size=None,
+    max_edge=None,
+    near=(),
+    size_at=None,
+    curvature=None,
+    growth=1.3,
     regions=(),
     holes=None,
     max_points=None,
@@ -125,9 +130,20 @@ def tetrahedralize(
         Tetrahedra with a dihedral angle of less than so many degrees are split where a point serves,
         at most 12; 0: none is. Nothing is done without ``radius_edge``.
     size : float, array or callable, optional
-        Wanted edge length: one for all, one for each vertex of the surface, or ``size(p)`` for a
-        place ``p = (x, y, z)``. A function is called from the calling thread only, has to give the
+        Usual edge length: one for all, one for each vertex of the surface, or ``size(p)`` for a
+        place ``p = (x, y, z)``. The mean edge is within 10 % of it where the surface is no finer. A
+        function is called from the calling thread only, has to give the
         same answer for the same place, and may raise: its exception comes back as it is.
+    max_edge : float, optional
+        No edge is longer, exactly.
+    near : sequence of (place, length) or (place, length, radius)
+        Edges of a length within a radius of a place, in the surface's coordinates.
+    size_at : dict, optional
+        Edges of a length at parts of the boundary, by name (:attr:`Mesh.parts`) or marker.
+    curvature : float, optional
+        Edges in a full turn of a curved surface: 2πr / ``curvature`` at a radius of r.
+    growth : float
+        The factor by which edges grow from one to the next, away from where these are shorter.
     regions : sequence of (point, attribute) or (point, attribute, max_volume)
         A point in each region with properties of its own.
     holes : "none", "auto", or array_like of shape (h, 3), optional
@@ -199,6 +215,13 @@ def tetrahedralize(
         **_input.bounds(max_volume, radius_edge, flat_tolerance),
         min_dihedral=_input.number(min_dihedral, "min_dihedral", "min_dihedral.type"),
         size=_input.size(size),
+        max_edge=None if max_edge is None else _input.number(max_edge, "max_edge", "max_edge.type"),
+        near=_input.near(near),
+        size_at=_input.size_at(size_at or {}),
+        curvature=None
+        if curvature is None
+        else _input.number(curvature, "curvature", "curvature.type"),
+        growth=_input.number(growth, "growth", "growth.type"),
         max_points=None
         if max_points is None
         else _input.whole(max_points, "max_points", "max_points.count", 0, 2**63),

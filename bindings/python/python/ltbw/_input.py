@@ -244,6 +244,11 @@ def wishes(**given):
         "radius_edge": None,
         "min_dihedral": None,
         "size": None,
+        "max_edge": None,
+        "near": [],
+        "size_at": [],
+        "curvature": None,
+        "growth": None,
         "max_points": None,
         "holes": None,
         "regions": [],
@@ -274,3 +279,28 @@ def size(given):
     if array.ndim == 0:
         return float(array)
     return [float(s) for s in array]
+
+
+def near(given):
+    """Short edges near places: a list of (place, length, radius)."""
+    try:
+        return [_near(*own) for own in given]
+    except InputError:
+        raise
+    except (TypeError, ValueError):
+        text = f"near: a list of (place, length) or (place, length, radius), not {given!r}"
+        raise InputError(text, "near.layout") from None
+
+
+def _near(place, length, radius=0.0):
+    x, y, z = place
+    return (float(x), float(y), float(z)), float(length), float(radius)
+
+
+def size_at(given):
+    """Short edges at parts of the boundary: a list of (part, length)."""
+    try:
+        return [(str(part), float(length)) for part, length in dict(given).items()]
+    except (TypeError, ValueError):
+        text = f"size_at: a dict of lengths by part (a name or a marker), not {given!r}"
+        raise InputError(text, "size_at.layout") from None

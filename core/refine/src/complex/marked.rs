@@ -1,6 +1,7 @@
 //! Sizing by tetrahedra that are to be split: half of the volume of each, inside it.
 
 use super::background::{BackgroundError, Leaf, is_inside};
+use super::measure::USUAL_EDGE;
 use ltbw_core::TetMesh;
 use ltbw_domain::vector::{cross, dot, minus};
 use ltbw_exact::Point;
@@ -35,14 +36,14 @@ impl Marked {
         }
         let length = |[a, b, c, d]: &[Point; 4]| {
             let volume = dot(&cross(&minus(b, a), &minus(c, a)), &minus(d, a)).abs() / 6.0;
-            (volume / 2.0 * 6.0 * 2.0_f64.sqrt()).cbrt()
+            (volume / 2.0 * 6.0 * 2.0_f64.sqrt()).cbrt() / USUAL_EDGE
         };
         let leaves = (0..).zip(&corners).map(|(k, own)| Leaf::of(k, own)).collect();
         let lengths = corners.iter().map(length).collect();
         Ok(Self { boxes: RTree::bulk_load(leaves), lengths, corners })
     }
 
-    /// The edge length at a place: infinite outside of them.
+    /// The usual edge length at a place, as a sizing function has it: infinite outside of them.
     #[must_use]
     pub fn at(&self, p: Point) -> f64 {
         let near = self.boxes.locate_in_envelope_intersecting(AABB::from_point(p));
@@ -60,7 +61,7 @@ mod tests {
         let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
         let mesh = TetMesh { points, tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]], ..TetMesh::default() };
         let marked = Marked::new(&mesh, &[0]).expect("a tetrahedron");
-        let length = marked.at([0.25; 3]);
+        let length = USUAL_EDGE * marked.at([0.25; 3]);
         assert!((length.powi(3) / (6.0 * 2.0_f64.sqrt()) - 1.0 / 12.0).abs() < 1e-15);
         assert_eq!(marked.at([0.6; 3]), f64::INFINITY);
         let wrong = Marked::new(&mesh, &[1, 2]).expect_err("two tetrahedra");

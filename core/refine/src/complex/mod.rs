@@ -16,6 +16,7 @@ pub(crate) mod angles;
 pub(crate) mod background;
 pub(crate) mod carrier;
 pub(crate) mod dihedral;
+pub(crate) mod edges;
 pub(crate) mod flat;
 pub(crate) mod marked;
 pub(crate) mod measure;

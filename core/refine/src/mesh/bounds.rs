@@ -6,7 +6,8 @@ use super::state::State;
 use crate::RefineError;
 use crate::complex::angles::Angles;
 use crate::complex::dihedral::DihedralBound;
-use crate::complex::measure::{RatioBound, Shape, VolumeBound};
+use crate::complex::edges::EdgeBound;
+use crate::complex::measure::{RatioBound, Shape, USUAL_EDGE, VolumeBound};
 use crate::thin::Thin;
 use ltbw_core::topology::{INFINITE, TetId};
 use ltbw_core::{FourCorners, test_bounds};
@@ -26,11 +27,18 @@ pub(crate) fn check_tolerance(value: f64, domain: &Domain) -> Result<(), RefineE
 /// The largest bound on dihedral angles, in degrees.
 const MOST_DIHEDRAL: f64 = 12.0;
 
+/// The largest volume and edge.
+#[derive(Clone, Copy)]
+pub(crate) struct Largest {
+    pub(crate) volume: Option<f64>,
+    pub(crate) edge: Option<f64>,
+}
+
 /// Bounds that no mesh can meet are errors.
 pub(crate) fn check_limits(
     radius_edge: Option<f64>,
     min_dihedral: f64,
-    max_volume: Option<f64>,
+    sizes: Largest,
     lattice: &Lattice,
 ) -> Result<(), RefineError> {
     if !(0.0..=MOST_DIHEDRAL).contains(&min_dihedral) {
@@ -43,9 +51,15 @@ pub(crate) fn check_limits(
         let limit = "it has to be at least 1 (refinement is sure to end from 2 on)".into();
         return Err(RefineError::Bound { name: "radius-edge", value, limit });
     }
-    let least = lattice.fine_step() * 1024.0;
-    let least = least * least * least;
-    if let Some(value) = max_volume
+    let shortest = lattice.fine_step() * 1024.0;
+    if let Some(value) = sizes.edge
+        && !(shortest..f64::INFINITY).contains(&value)
+    {
+        let limit = format!("the lattice allows {shortest:e} at least");
+        return Err(RefineError::Bound { name: "max-edge", value, limit });
+    }
+    let least = shortest * shortest * shortest;
+    if let Some(value) = sizes.volume
         && !(least..f64::INFINITY).contains(&value)
     {
         let limit = format!("the lattice allows {least:e} at least");
@@ -83,6 +97,8 @@ pub(crate) struct Bounds<'a> {
     /// The bound of every region; that of the exterior is not used.
     pub(crate) volumes: Vec<Option<VolumeBound>>,
     pub(crate) field: Option<&'a SizeField<'a>>,
+    /// The bound of every edge.
+    pub(crate) edge: Option<EdgeBound>,
     /// The length of a fine step in the input's coordinates.
     pub(crate) fine_step: f64,
 }
@@ -103,6 +119,7 @@ impl Bounds<'_> {
         let exceeds = |bound: Option<VolumeBound>| bound.is_some_and(|b| b.exceeded(corners));
         exceeds(self.volumes.get(region as usize).copied().flatten())
             || exceeds(self.field_bound(corners))
+            || self.edge.is_some_and(|bound| bound.exceeded(corners))
             || self.ratio.is_some_and(|bound| bound.exceeded(corners))
     }
 
@@ -117,6 +134,7 @@ impl Bounds<'_> {
         let own = self.volumes.get(region as usize).copied().flatten();
         let bounds = own.into_iter().chain(self.field_bound(corners));
         bounds.into_iter().any(|bound| bound.exceeded(corners))
+            || self.edge.is_some_and(|bound| bound.exceeded(corners))
     }
 
     /// Which of at most four tetrahedra would be over their bounds, and which may have tiny
@@ -137,6 +155,9 @@ impl Bounds<'_> {
         for k in 0..tets.count {
             if (over | within) >> k & 1 == 0 {
                 over |= u32::from(self.are_over(tets.corners(k).each_ref(), tets.regions[k])) << k;
+            }
+            if let Some(bound) = self.edge.filter(|_| over >> k & 1 == 0) {
+                over |= u32::from(bound.exceeded(tets.corners(k).each_ref())) << k;
             }
             if let Some(bound) = self.dihedral.filter(|_| thick >> k & 1 == 0) {
                 thin |= u32::from(!bound.is_surely_met(tets.corners(k).each_ref())) << k;
@@ -213,12 +234,14 @@ impl Bounds<'_> {
         let sizes = volume.into_iter().chain(self.field_bound(corners));
         let sizes = sizes.map(|bound| bound.excess(&shape));
         let ratios = self.ratio.map(|bound| shape.ratio_over(&bound));
+        let edges = self.edge.map(|bound| bound.excess(corners));
         // The excess over a bound that is met is at most 1, but for rounding.
-        sizes.chain(ratios).fold(1.0, f64::max)
+        sizes.chain(ratios).chain(edges).fold(1.0, f64::max)
     }
 
     /// The edges that splitting `t` may go down to near small angles: its own shortest edge, or, if
-    /// it is too large, that of a cube of the volume wanted; this one alone counts along facets.
+    /// it is too large, that of a cube of the volume wanted, or half of the longest allowed; this
+    /// one alone counts along facets.
     pub(crate) fn limit(&self, state: &State, t: TetId, shape: &Shape) -> Limit {
         let corners = state.vertices(t).map(|v| state.at(v));
         let at = (corners.each_ref(), state.marks.region(t));
@@ -235,23 +258,26 @@ impl Bounds<'_> {
         let own = self.volumes.get(region as usize).copied().flatten();
         let bounds = [own, self.field_bound(corners)];
         let exceeded = bounds.into_iter().flatten().filter(|bound| bound.excess(shape) >= 1.0);
-        let along = exceeded.map(|bound| cube_root(bound.volume())).reduce(f64::min);
+        let long = self.edge.filter(|bound| bound.exceeded(corners));
+        let halves = long.map(|bound| bound.length() / 2.0);
+        let along = exceeded.map(|bound| cube_root(bound.volume())).chain(halves);
+        let along = along.reduce(f64::min);
         let edge = shape.edge2.sqrt();
         let least = along.map_or(edge, |size| edge.min(size));
         Limit { least, along: along.filter(|_| angles.has_small()) }
     }
 
-    /// The bound of the sizing field at the centroid: the volume of the regular tetrahedron with
-    /// edges of the wanted length. One that is not positive and finite bounds nothing; whether all
+    /// The bound of the sizing field at the centroid: a volume with which edges usually have the
+    /// wanted length. One that is not positive and finite bounds nothing; whether all
     /// are positive is checked in the end.
     fn field_bound(&self, corners: [&Point; 4]) -> Option<VolumeBound> {
         let volume = self.wanted_volume(self.field?(self.centroid(corners)));
         (volume > 0.0 && volume.is_finite()).then(|| VolumeBound::new(volume))
     }
 
-    /// The volume of the regular tetrahedron with edges of a length in the input's coordinates.
+    /// The largest volume where edges have usually a length, in the input's coordinates.
     fn wanted_volume(&self, length: f64) -> f64 {
-        regular_volume(length / self.fine_step)
+        regular_volume(USUAL_EDGE * (length / self.fine_step))
     }
 
     /// The place at which the sizing field is asked for a tetrahedron.

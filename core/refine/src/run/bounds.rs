@@ -2,6 +2,7 @@
 
 use super::Refiner;
 use crate::complex::dihedral::DihedralBound;
+use crate::complex::edges::EdgeBound;
 use crate::complex::measure::{RatioBound, VolumeBound};
 use crate::mesh::bounds::Bounds;
 use crate::mesh::region::RegionInfo;
@@ -30,6 +31,7 @@ impl<'a> Refiner<'a> {
             dihedral: self.dihedral(),
             volumes: regions.iter().map(volume).collect(),
             field: self.field,
+            edge: self.max_edge.map(|length| EdgeBound::new(length / step)),
             fine_step: step,
         }
     }

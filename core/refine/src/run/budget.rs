@@ -1,6 +1,7 @@
 //! The limits of a refinement that nobody has set: the floor of edge lengths, the most points.
 
 use super::Refiner;
+use crate::complex::measure::USUAL_EDGE;
 use crate::mesh::bounds::regular_volume;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_exact::Point;
@@ -44,9 +45,11 @@ impl Refiner<'_> {
         let regions = domain.regions.iter().filter_map(|r| r.max_volume);
         // A sizing field is looked at where the domain has vertices: nothing else is known about
         // it.
-        let field = |p: &Point| self.field.map(|field| regular_volume(field(*p)));
+        let field = |p: &Point| self.field.map(|field| regular_volume(USUAL_EDGE * field(*p)));
         let fields = domain.vertices.iter().filter_map(field).filter(|&v| v > 0.0);
-        let least = regions.chain(self.max_volume).chain(fields).fold(f64::INFINITY, f64::min);
+        let edges = self.max_edge.map(|longest| regular_volume(longest / 2.0));
+        let all = regions.chain(self.max_volume).chain(edges).chain(fields);
+        let least = all.fold(f64::INFINITY, f64::min);
         // A conversion of floats saturates.
         let by_volume = (STEINER_PER_VOLUME * volume / least) as u64;
         let by_corners = STEINER_PER_CORNER * (domain.vertices.len() + domain.points.len()) as u64;

@@ -6,7 +6,7 @@ use crate::complex::carrier::UNIT;
 use crate::complex::patch::{DISSOLVED, Unfound};
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
-use crate::mesh::bounds::{check_limits, check_tolerance};
+use crate::mesh::bounds::{Largest, check_limits, check_tolerance};
 use crate::mesh::item::Queues;
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::{Lengths, State};
@@ -26,7 +26,8 @@ impl<'a> Refiner<'a> {
         domain: &Domain,
         lattice: &Lattice,
     ) -> Result<(Run<'a>, Vec<RegionInfo>), RefineError> {
-        check_limits(self.radius_edge, self.min_dihedral, self.max_volume, lattice)?;
+        let largest = Largest { volume: self.max_volume, edge: self.max_edge };
+        check_limits(self.radius_edge, self.min_dihedral, largest, lattice)?;
         let tolerance = self.flat_tolerance.unwrap_or(0.0);
         check_tolerance(tolerance, domain)?;
         let clock = Instant::now();
@@ -72,8 +73,8 @@ impl<'a> Refiner<'a> {
         }
         let most = self.max_points.unwrap_or_else(|| self.default_budget(domain));
         let floor = self.floor_in_steps(domain, lattice);
-        let is_bounded =
-            self.radius_edge.is_some() || self.max_volume.is_some() || self.field.is_some();
+        let is_sized = self.max_volume.is_some() || self.max_edge.is_some() || self.field.is_some();
+        let is_bounded = self.radius_edge.is_some() || is_sized;
         let mut cuts = plc.cuts(floor, if is_bounded { most } else { 0 }, heed)?;
         let mut mesh = plc.first_mesh(&mut cuts, lattice, heed)?;
         let expected = self.expected_tets(domain);

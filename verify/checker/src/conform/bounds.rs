@@ -1,4 +1,4 @@
-//! Exact tests of the bounds: circumradius to shortest edge, and volume.
+//! Exact tests of the bounds: circumradius to shortest edge, volume, longest edge.
 //!
 //! A filter in f64 whose errors are bounded generously (u = 2^-53, m the largest |difference| of
 //! the tetrahedron), then big integers. Coordinates are units, so nothing underflows.
@@ -27,6 +27,21 @@ pub(crate) fn volume_exceeds(corners: [Whole; 4], bound: f64) -> bool {
     let (mantissa, exponent) = parts(bound);
     // six > 6 mantissa 2^exponent
     exceeds(&six, -exponent, &(6 * mantissa))
+}
+
+/// Is an edge of a tetrahedron longer than `bound` units?
+pub(crate) fn edge_exceeds([a, b, c, d]: [Whole; 4], bound: f64) -> bool {
+    [(a, b), (a, c), (a, d), (b, c), (b, d), (c, d)].into_iter().any(|(p, q)| {
+        let difference = [0, 1, 2].map(|k| p[k] - q[k]);
+        // Three squares of differences with three roundings each, and that of the bound.
+        let square: f64 = difference.iter().map(|&x| x as f64 * x as f64).sum();
+        if (square - bound * bound).abs() > 16.0 * UNIT_ROUNDOFF * square {
+            return square > bound * bound;
+        }
+        let square: BigInt = difference.iter().map(|&x| BigInt::from(x) * x).sum();
+        let (mantissa, exponent) = parts(bound);
+        exceeds(&square, -2 * exponent, &(&mantissa * &mantissa))
+    })
 }
 
 /// Is circumradius to shortest edge above `bound`?
@@ -96,6 +111,12 @@ mod tests {
         let corners = [[0; 3], [12, 0, 0], [0, 1, 0], [0, 0, 1]];
         assert!(!volume_exceeds(corners, 2.0));
         assert!(volume_exceeds(corners, 2f64.next_down()));
+        // The longest edge is 5, or 5 · 2^50.
+        for s in [1i128, 1 << 50] {
+            let (corners, five) = ([[0; 3], [3 * s, 4 * s, 0], [0, s, 0], [s; 3]], 5.0 * s as f64);
+            assert!(!edge_exceeds(corners, five) && edge_exceeds(corners, five.next_down()));
+            assert!(edge_exceeds(corners, 1.0) && !edge_exceeds(corners, 2.0 * five));
+        }
         // Shortest edge 2, circumradius 3: the ratio is 3/2 exactly.
         let corners = [[2, 0, 0], [0, 0, 0], [0, 4, 0], [0, 0, 4]];
         assert!(!ratio_exceeds(corners, 1.5) && ratio_exceeds(corners, 1.5f64.next_down()));

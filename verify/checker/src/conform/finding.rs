@@ -13,6 +13,8 @@ pub struct Limits {
     pub radius_edge: Option<f64>,
     /// The largest volume.
     pub max_volume: Option<f64>,
+    /// The largest length of an edge.
+    pub max_edge: Option<f64>,
     /// The largest volume in each region of the domain, by the tag that its seed is found with.
     pub region_volumes: Vec<Option<f64>>,
     /// The least dihedral angle in degrees, above 0 and at most 90. Tetrahedra with a smaller one
@@ -54,6 +56,8 @@ pub enum ConformityDefect {
     RatioExceeded,
     /// The volume exceeds its bound. `ids`: the tetrahedron.
     VolumeExceeded,
+    /// An edge exceeds its bound. `ids`: the tetrahedron.
+    EdgeExceeded,
 }
 
 impl ConformityDefect {
@@ -73,6 +77,7 @@ impl ConformityDefect {
             Self::RegionNotMeshed => "no tetrahedron holds the seed of this region",
             Self::RatioExceeded => "circumradius to shortest edge is above the bound",
             Self::VolumeExceeded => "the volume is above the bound",
+            Self::EdgeExceeded => "an edge is longer than the bound",
         }
     }
 }

@@ -302,6 +302,7 @@ impl Run<'_> {
         let pairs = limits.region_volumes.iter().zip(seeds);
         let regions: HashMap<u32, f64> = pairs.filter_map(|(b, s)| own(b, s)).collect();
         let general = limits.max_volume.map(|bound| units.cubic(bound));
+        let longest = limits.max_edge.map(|bound| units.linear(bound));
         let least = limits.min_dihedral.map(Bound::new);
         let parts = pieces(self.mesh.tets.len(), |range| {
             let (mut found, mut small) = (Vec::new(), Found::new(self.limit));
@@ -322,6 +323,9 @@ impl Run<'_> {
                 let volumes = [general, regions.get(&cells[t]).copied()];
                 if volumes.into_iter().flatten().any(|b| bounds::volume_exceeds(corners, b)) {
                     found.push((ConformityDefect::VolumeExceeded, t as u32));
+                }
+                if longest.is_some_and(|b| bounds::edge_exceeds(corners, b)) {
+                    found.push((ConformityDefect::EdgeExceeded, t as u32));
                 }
             }
             (found, small)

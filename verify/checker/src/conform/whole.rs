@@ -72,6 +72,11 @@ impl Units {
         volume * half(-self.low) * half(-self.low) * half(-self.low)
     }
 
+    /// A length in units, as [`Units::cubic`] has volumes.
+    pub(crate) fn linear(&self, length: f64) -> f64 {
+        length * f64::from_bits(((1023 + (-self.low).clamp(-1022, 1023)) as u64) << 52)
+    }
+
     /// `sum` cubic units over 6, as a fraction in lowest terms.
     pub(crate) fn sixth(&self, sum: &BigInt) -> Fraction {
         let (mut numerator, mut denominator) = (sum.clone(), BigInt::from(6));
