@@ -29,8 +29,7 @@ fn domains_with_small_angles_have_the_engines_mesh_on_any_number_of_workers() {
     ] {
         let ready = angled(kind, angle);
         for start in [0, 64] {
-            // Slivers are the engine's.
-            let refiner = Refiner::new().max_volume(volume).min_dihedral(0.0).start(start);
+            let refiner = Refiner::new().max_volume(volume).start(start);
             let name = format!("{kind:?} of {angle} degrees, from {start} on");
             let ending = one_mesh(&name, &refiner, &ready);
             let share = share(&refiner, &ready);

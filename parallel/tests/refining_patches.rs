@@ -51,9 +51,7 @@ fn patches_beside_sharp_edges_have_the_engines_mesh_on_any_number_of_workers() {
     let ramps = ramps.map(|(k, h)| (format!("a ramp of {h}"), ramp(k, h, 1e-8, u64::from(k))));
     for (name, domain) in stars.chain(ramps) {
         let (ready, tolerance) = surface(&domain);
-        let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(3e-4);
-        // Slivers are the engine's.
-        let refiner = refiner.min_dihedral(0.0).start(64);
+        let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(3e-4).start(64);
         let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
         let ending = one_mesh(&name, &refiner, &ready);
         let (patches, left) = (engine.stats.patches, engine.excuses.len());

@@ -66,6 +66,28 @@ fn workers_split_slivers_at_patches() {
     assert!(all > 50 && left < all / 2, "{left} of {all} points left to the engine");
 }
 
+/// Where something was refused late steps come before, which take the whole mesh; then the engine
+/// leaves slivers to the workers.
+#[test]
+fn workers_split_slivers_after_relief() {
+    let mut all = [0; 2];
+    for (kind, angle, volume) in [
+        (DomainKind::Wedge, 5.0, 1e-4),
+        (DomainKind::Wedge, 15.0, 3e-5),
+        (DomainKind::Spike, 15.0, 1e-3),
+        (DomainKind::Spike, 5.0, 5e-4),
+    ] {
+        let ready = prepared(kind, &Shape { angle: Some(angle), ..Shape::default() });
+        let refiner = Refiner::new().max_volume(volume).min_dihedral(12.0).start(64);
+        let name = format!("{kind:?} of {angle} degrees");
+        let [slivers, left] = points(&refiner, &ready);
+        println!("{name}: {slivers} points for slivers, {left} left to the engine");
+        assert!(one_mesh(&name, &refiner, &ready).is_ok(), "{name}");
+        all = [all[0] + slivers, all[1] + left];
+    }
+    assert!(all[0] > 50 && all[1] < all[0] / 4, "{all:?}");
+}
+
 /// A budget that rounds of slivers might exceed is the engine's.
 #[test]
 fn a_budget_that_slivers_use_up_leaves_the_engines_mesh() {

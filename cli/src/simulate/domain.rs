@@ -177,14 +177,14 @@ fn tell(
         options.network.distribution.name(),
         args.seed,
         if figures.ended > 1 {
-            format!("{} times one processor split what waits in circles. ", figures.ended - 1)
+            format!("{} times one processor did what takes the whole mesh. ", figures.ended - 1)
         } else {
             String::new()
         },
         figures.barriers,
         match ending {
             Ok(Ending::Done) | Err(_) => {
-                "one processor put the mesh together, and split the last slivers".to_owned()
+                "one processor put the mesh together, and did what was left".to_owned()
             }
             Ok(other) => format!("one processor did what was left ({other:?})").to_lowercase(),
         },

@@ -17,8 +17,9 @@ use crate::mesh::item::{Item, Queues};
 use crate::outcome::{Reason, RefineStats};
 use crate::output::refined::Refined;
 use crate::queue::split::{Refinement, Step};
-use crate::rounds::{InsertOrder, Resumed, RoundTimes, Rounds};
+use crate::rounds::{Finished, InsertOrder, Resumed, RoundTimes, Rounds};
 use crate::rules::record::Refusal;
+use crate::thin::Thin;
 use ltbw_core::CancelToken;
 use ltbw_core::build::{Observer, Phase, Progress};
 use ltbw_core::topology::TetId;
@@ -301,15 +302,17 @@ impl<'a> Run<'a> {
     }
 
     /// Goes on in rounds, if there is a boundary; what was before took `start_seconds`. Others may
-    /// have carried out some of them.
+    /// have carried out some of them, and are left slivers, if there are `few` at least: these are
+    /// returned.
     fn rounds_from(
         &mut self,
         order: InsertOrder,
         start_seconds: f64,
         resumed: Option<Resumed>,
-    ) -> Result<(), RefineError> {
+        few: Option<usize>,
+    ) -> Result<Option<Vec<Thin>>, RefineError> {
         if self.stop.is_some() || self.refinement.bounds.is_none() {
-            return Ok(());
+            return Ok(None);
         }
         let refiner = self.refiner;
         let tell = |vertices: usize| refiner.tell(Phase::Refine, vertices);
@@ -317,10 +320,13 @@ impl<'a> Run<'a> {
         let stats = RefineStats { round_threads: threads, ..self.stats };
         let mut rounds = Rounds::new(&mut self.refinement, order, self.most, stats);
         resumed.into_iter().for_each(|resumed| rounds.resume(resumed));
-        let (stop, stats, over, times) = rounds.run_in_pool(refiner.cancel, tell)?;
-        (self.stop, self.over, self.rounds) = (stop, Some(over), times);
+        few.into_iter().for_each(|few| rounds.leave_slivers(few));
+        let Finished { stop, stats, over, times, slivers } =
+            rounds.run_in_pool(refiner.cancel, tell)?;
+        (self.stop, self.over) = (stop, Some(over));
+        self.rounds.extend(times);
         self.stats = RefineStats { start_seconds, ..stats };
-        Ok(())
+        Ok(slivers)
     }
 
     /// Puts every tetrahedron over its bounds.

@@ -79,6 +79,11 @@ rules! {
     fn labels_walls;
     /// R29: before the next round all know which boundary items were refused in this one.
     fn tells_refusals;
+    /// R30: of the foremost tetrahedra with nearly equal circumspheres one is probed, whosever they
+    /// are.
+    fn shares_leaders;
+    /// R31: those beyond an interface face hear that a tetrahedron was refused and has no rank.
+    fn withdraws_ranks;
 }
 
 /// The protocol as it ships.

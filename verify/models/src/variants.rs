@@ -133,4 +133,8 @@ variants! {
     R28 labels_walls: Unlabelled, "regions inherited at a patch that changes";
     /// A tetrahedron asks in vain for an item that cannot be split.
     R29 tells_refusals: SilentKeeper, "refusals not told";
+    /// Two workers probe tetrahedra of which one would do.
+    R30 shares_leaders: OwnLeader, "each worker has a leader of its own";
+    /// A tetrahedron beside one that was refused waits for it.
+    R31 withdraws_ranks: LastingRank, "ranks of what was refused stay";
 }

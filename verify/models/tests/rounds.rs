@@ -17,6 +17,9 @@ use ltbw_models::variants::{Defect, KnownBad};
 /// Processors and latency in nanoseconds of the runs.
 const RUNS: [(u32, u64); 5] = [(2, 1_000), (3, 30_000), (8, 1_000), (16, 30_000), (40, 1_000)];
 
+/// Runs with more processors, so that little is anyone's own.
+const MANY: [(u32, u64); 3] = [(48, 1_000), (64, 1_000), (80, 1_000)];
+
 /// A domain and the engine's mesh of it.
 struct Case {
     ready: Prepared,
@@ -90,9 +93,14 @@ fn run<C: Rules>(case: &Case, (processors, latency): (u32, u64)) -> Result<(), S
 
 /// A defect is caught in some run, and the correct protocol in none.
 fn caught(defect: Defect, all: &[Case]) {
+    caught_in(&RUNS, defect, all);
+}
+
+/// As [`caught`], with these processors and latencies.
+fn caught_in(with: &[(u32, u64)], defect: Defect, all: &[Case]) {
     let (mut runs, mut outcomes) = (0, Vec::new());
     for case in all {
-        for of in RUNS {
+        for &of in with {
             runs += 1;
             outcomes.extend(defect.planted(|| run::<KnownBad>(case, of)).err());
         }
@@ -103,7 +111,8 @@ fn caught(defect: Defect, all: &[Case]) {
     kinds.dedup();
     let outcome = format!("caught in {}: {}", outcomes.len(), kinds.join("; "));
     let model = format!("known bad: {}", defect.title());
-    let domains = format!("domains in rounds: {}, 2 to 40 processors", all.len());
+    let (first, last) = (with.first().map_or(0, |of| of.0), with.last().map_or(0, |of| of.0));
+    let domains = format!("domains in rounds: {}, {first} to {last} processors", all.len());
     row(&model, &domains, &format!("{runs} runs"), &outcome);
 }
 
@@ -154,4 +163,25 @@ fn refusals_with_a_broken_rule_are_caught() {
         }
     }
     caught(Defect::SilentKeeper, &all[..1]);
+}
+
+/// A ramp of sheets at a small angle, of which no facets are taken for one.
+fn ramp_case() -> Case {
+    let domain = surfaces::ramp(4, 0.05, 1e-8, 1);
+    let options = PrepareOptions { oriented: true, ..PrepareOptions::default() };
+    let ready = domain.prepare(&options).expect("a sound domain");
+    let refiner = Refiner::new().flat_tolerance(0.0).max_volume(3e-4).start(64);
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+}
+
+/// Two tetrahedra of one group are two workers' where parts are small.
+#[test]
+fn leaders_and_ranks_with_a_broken_rule_are_caught() {
+    let all = [ramp_case()];
+    for of in RUNS.into_iter().chain(MANY) {
+        assert_eq!(run::<Correct>(&all[0], of), Ok(()), "{of:?}");
+    }
+    caught_in(&MANY, Defect::OwnLeader, &all);
+    caught(Defect::LastingRank, &all);
 }

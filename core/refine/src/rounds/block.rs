@@ -43,6 +43,11 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
+    /// Are there none?
+    pub(super) fn are_none(&self) -> bool {
+        self.kept.is_empty() && self.found.is_empty()
+    }
+
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         self.kept.clear();

@@ -73,8 +73,17 @@ pub(super) struct Late {
 impl Late {
     /// Others have begun with slivers, since the steps before had nothing to do, and leave these.
     pub(super) fn go_on_with(&mut self, slivers: Vec<Thin>) {
-        self.step = STEPS.iter().position(|step| matches!(step, Step::Slivers)).unwrap_or(0);
+        self.step = Self::first_slivers();
         self.slivers = Some(slivers);
+    }
+
+    /// Is the step to come the first one of slivers?
+    pub(super) fn is_at_first_slivers(&self) -> bool {
+        self.step == Self::first_slivers()
+    }
+
+    fn first_slivers() -> usize {
+        STEPS.iter().position(|step| matches!(step, Step::Slivers)).unwrap_or(0)
     }
 }
 

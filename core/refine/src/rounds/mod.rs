@@ -46,6 +46,7 @@ use crate::queue::split::{Refinement, Step};
 use crate::rules::record::Refusal;
 use crate::rules::verdict::Filling;
 use crate::rules::watch::Watch;
+use crate::thin::Thin;
 use block::Blocks;
 use demands::{Asked, Conclusion, Demands, Pending};
 use foremost::Front;
@@ -115,8 +116,17 @@ struct Candidate {
 /// Probes, or insertions, between two looks at whether the work is cancelled.
 const CHECK_EVERY: usize = 1024;
 
-/// Why rounds stopped early, figures, the tetrahedra that are over their bounds, and the times.
-type Finished = (Option<Reason>, RefineStats, Vec<TetId>, Vec<RoundTimes>);
+/// The end of rounds.
+pub(crate) struct Finished {
+    /// Why they stopped early.
+    pub(crate) stop: Option<Reason>,
+    pub(crate) stats: RefineStats,
+    /// The tetrahedra that are over their bounds.
+    pub(crate) over: Vec<TetId>,
+    pub(crate) times: Vec<RoundTimes>,
+    /// The slivers, if others are to split these.
+    pub(crate) slivers: Option<Vec<Thin>>,
+}
 
 /// Says whether the work is cancelled; is told the number of vertices.
 type Look<'l> = &'l dyn Fn(usize) -> bool;
@@ -183,6 +193,8 @@ pub(crate) struct Rounds<'r, 'a> {
     /// Are there patches? Then many tetrahedra may have their points in one place, and those that
     /// come first are probed before the others, which they may kill.
     in_waves: bool,
+    /// Others split slivers, if there are as many when these come first.
+    leaves_slivers: Option<usize>,
     /// Threads that read the mesh together.
     threads: usize,
     /// The memory for probes on this thread.
@@ -226,14 +238,14 @@ impl<'r, 'a> Rounds<'r, 'a> {
             stats,
             clock: Clock::start(),
             in_waves,
+            leaves_slivers: None,
             threads,
             prober: batch::Prober::default(),
         }
     }
 
     /// Carries out rounds until nothing is left to do. `look` is told the number of vertices, and
-    /// says whether the work is cancelled. Returns why it stopped early, figures, and the
-    /// tetrahedra that are over their bounds.
+    /// says whether the work is cancelled.
     ///
     /// Ends: every round inserts a point of a finite lattice, or refuses an item, or asks for one
     /// that was not asked for.
@@ -242,9 +254,15 @@ impl<'r, 'a> Rounds<'r, 'a> {
     /// A broken invariant.
     pub(crate) fn run(mut self, look: Look<'_>) -> Result<Finished, RefineError> {
         self.look_at_first()?;
-        let mut stop = None;
+        let (mut stop, mut slivers) = (None, None);
         self.clock.begin();
         while let Some(next) = self.next() {
+            if next == Next::Round(Class::Slivers) {
+                slivers = self.slivers_for_others();
+            }
+            if slivers.is_some() {
+                break;
+            }
             if look(self.own.state.mesh.num_vertices()) {
                 stop = Some(Reason::Cancelled);
                 break;
@@ -299,7 +317,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         }
         self.check_complete()?;
         let over = self.over();
-        Ok((stop, self.stats, over, self.clock.rounds))
+        Ok(Finished { stop, stats: self.stats, over, times: self.clock.rounds, slivers })
     }
 
     /// The next step; `None` if nothing is left to do.

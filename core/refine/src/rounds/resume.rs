@@ -31,6 +31,8 @@ pub(crate) struct Resumed {
     /// If rounds of slivers have begun, those that are still to be looked at: the late steps before
     /// found nothing to do.
     pub(crate) slivers: Option<Vec<TetId>>,
+    /// Refused tetrahedra for which no point was found that relieves them.
+    pub(crate) in_vain: Vec<Item>,
     /// The transactions of joint steps so far.
     pub(crate) spent: usize,
 }
@@ -39,6 +41,11 @@ pub(crate) struct Resumed {
 type Parted = (Vec<Waiting>, RefineStats);
 
 impl Rounds<'_, '_> {
+    /// Leaves slivers to others, if there are as many as `few`, and works up to these.
+    pub(crate) fn leave_slivers(&mut self, few: usize) {
+        self.leaves_slivers = Some(few);
+    }
+
     /// Takes over from others.
     pub(crate) fn resume(&mut self, resumed: Resumed) {
         self.front.counted = resumed.candidates;
@@ -51,6 +58,7 @@ impl Rounds<'_, '_> {
         }
         self.own.record.joint_transactions = resumed.spent;
         self.own.record.refused.extend(resumed.refused);
+        self.own.record.in_vain.extend(resumed.in_vain);
         for Waiting { item, first, near, limit } in resumed.waiting {
             self.demands.pending.insert(item, Pending { first, near });
             self.own.record.limits.extend(limit.map(|limit| (item, limit)));

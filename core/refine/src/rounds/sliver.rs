@@ -38,6 +38,13 @@ impl Rounds<'_, '_> {
         self.late.slivers.as_ref().is_some_and(|slivers| !slivers.is_empty())
     }
 
+    /// The slivers of the first step of these, if others are to split them.
+    pub(super) fn slivers_for_others(&mut self) -> Option<Vec<Thin>> {
+        let few = self.leaves_slivers?;
+        let is_first = self.late.is_at_first_slivers() && self.blocks.are_none();
+        self.late.slivers.take_if(|slivers| is_first && slivers.len() >= few)
+    }
+
     /// Chooses points for slivers; `true` if the work is cancelled. A sliver is looked at again as
     /// long as others are in the way of its point.
     pub(super) fn choose_slivers(&mut self, look: Look<'_>) -> bool {

@@ -2,7 +2,6 @@
 
 use super::bounded::Bounded;
 use super::choice::{BoundaryItem, Corner};
-use super::sliver::in_unit_ball;
 use super::verdict::{Filling, Judge};
 use super::walk::Way;
 use crate::complex::carrier::{Carrier, Line};
@@ -132,4 +131,22 @@ impl<B: Bounded> Judge<'_, B> {
         let is_kept = may && self.losses(ends, &changes).is_empty();
         is_kept.then_some(Filling { split, changes, lost: Vec::new() })
     }
+}
+
+/// The next point of a sequence in the unit ball, the same everywhere.
+pub(crate) fn in_unit_ball(seed: &mut u64) -> Point {
+    let mut next = || {
+        *seed =
+            seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 32) as f64 / f64::from(1u32 << 31) - 1.0
+    };
+    let mut point = [0.0; 3];
+    // Half of the cube is in the ball; a point outside is shortened in the end.
+    for _ in 0..16 {
+        point = [next(), next(), next()];
+        if point.iter().map(|c| c * c).sum::<f64>() <= 1.0 {
+            return point;
+        }
+    }
+    point.map(|c| 0.5 * c)
 }

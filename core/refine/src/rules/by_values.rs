@@ -127,8 +127,8 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         self.ruling(judge.on_boundary(own, &self.place, is_on))
     }
 
-    /// The verdict on a point that is tried for a sliver, which is in its cavity if it `has_sliver`:
-    /// inside, or on a boundary item.
+    /// The verdict on a point that is tried for a sliver, inside or on a boundary item. Its cavity
+    /// has the sliver if it `has_sliver`.
     pub fn rule_on_sliver(&self, on: Option<OnBoundary<'_>>, has_sliver: bool) -> SliverRuling {
         let Some(terms) = self.closure.complex.terms() else { return SliverRuling::Fails };
         let on = match on {

@@ -8,7 +8,7 @@
 //! Which points are tried, in which order, and which of them serves is told here, for a sliver by
 //! its corners and a closure by values: for whoever has them.
 
-use super::beside::OnItem;
+use super::beside::{OnItem, in_unit_ball};
 use super::bounded::Bounded;
 use super::choice::{BoundaryItem, Corner};
 use super::complex::Complex;
@@ -174,24 +174,6 @@ fn part_of(k: usize) -> Option<f64> {
     })
 }
 
-/// The next point of a sequence in the unit ball, the same everywhere.
-pub(crate) fn in_unit_ball(seed: &mut u64) -> Point {
-    let mut next = || {
-        *seed =
-            seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 32) as f64 / f64::from(1u32 << 31) - 1.0
-    };
-    let mut point = [0.0; 3];
-    // Half of the cube is in the ball; a point outside is shortened in the end.
-    for _ in 0..16 {
-        point = [next(), next(), next()];
-        if point.iter().map(|c| c * c).sum::<f64>() <= 1.0 {
-            return point;
-        }
-    }
-    point.map(|c| 0.5 * c)
-}
-
 /// The terms on which a point is taken for a sliver.
 pub(crate) struct Terms<'b> {
     pub(crate) bounds: &'b Bounds<'b>,
@@ -296,8 +278,8 @@ impl Complex<'_> {
         tries.next(self.plc())
     }
 
-    /// The boundary items that points are tried on for a sliver, by their places: `faces` beside it,
-    /// the subsegments of all these, and those that keep points inside away.
+    /// The boundary items that points are tried on for a sliver, by their places: `faces` beside
+    /// it, the subsegments of all these, and those that keep points inside away.
     pub fn items_beside(
         &self,
         corners: [Corner; 4],

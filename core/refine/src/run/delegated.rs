@@ -16,7 +16,7 @@ use crate::rounds::{InsertOrder, Resumed, Rounds, Waiting};
 use crate::rules::choice::{BoundaryItem, ItemPlace, TetPlace};
 use crate::rules::complex::{Complex, ComplexError, Start};
 use crate::rules::record::{Record, Refusal};
-use crate::table::{Map, edge, triangle};
+use crate::table::{Map, Set, edge, triangle};
 use crate::{RefineError, Refined};
 use ltbw_core::mesh::{Mesh, Vertex};
 use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId};
@@ -27,6 +27,8 @@ use std::time::Instant;
 
 /// The part of a mesh that is made before others without rounds begin.
 const SHARE: usize = 4;
+/// Slivers that others are not given back the mesh for, if there are fewer.
+const FEW: usize = 16;
 /// Tetrahedra of a mesh for each vertex, about.
 const TETS_PER_VERTEX: usize = 5;
 
@@ -40,6 +42,8 @@ pub struct Delegated<'a> {
     start_seconds: f64,
     /// The transactions of joint steps in rounds so far.
     spent: usize,
+    /// Refused tetrahedra for which no point was found that relieves them, by their places.
+    in_vain: Set<TetPlace>,
 }
 
 impl std::fmt::Debug for Delegated<'_> {
@@ -102,6 +106,8 @@ pub struct Remaining {
     pub candidates: usize,
     /// The transactions of joint steps in rounds so far.
     pub spent: usize,
+    /// If slivers are what is left, all to be looked at, by their places.
+    pub slivers: Option<Vec<TetPlace>>,
 }
 
 impl<'a> Refiner<'a> {
@@ -148,7 +154,8 @@ impl<'a> Refiner<'a> {
         };
         run.refine(self.start.unwrap_or(start))?;
         let start_seconds = clock.elapsed().as_secs_f64();
-        Ok(Delegated { run, regions, lattice: *lattice, clock, start_seconds, spent: 0 })
+        let (lattice, in_vain) = (*lattice, Set::default());
+        Ok(Delegated { run, regions, lattice, clock, start_seconds, spent: 0, in_vain })
     }
 }
 
@@ -220,7 +227,47 @@ impl<'a> Delegated<'a> {
             left.into_iter().map(|waiting| state.asked(waiting)).collect();
         let asked = asked.ok_or(RefineError::Invariant { what: "items have names" })?;
         let (refused, refused_tets) = state.refusals(record);
-        Ok(Remaining { asked, refused, refused_tets, candidates, spent: self.spent })
+        let (spent, slivers) = (self.spent, None);
+        Ok(Remaining { asked, refused, refused_tets, candidates, spent, slivers })
+    }
+
+    /// Takes over where late steps come before slivers, and carries out these. Others go on then
+    /// with slivers; `None` if there are few: then all is done, and [`Delegated::ended`] tells.
+    ///
+    /// # Errors
+    /// Those of [`Delegated::finish`].
+    pub fn go_to_slivers(&mut self, handed: Handed) -> Result<Option<Remaining>, RefineError> {
+        let resumed = self.take(handed)?;
+        let (order, start) = (self.run.refiner.order, self.start_seconds);
+        let Some(slivers) = self.run.rounds_from(order, start, Some(resumed), Some(FEW))? else {
+            return Ok(None);
+        };
+        let Refinement { record, state, .. } = &self.run.refinement;
+        self.spent = record.joint_transactions;
+        let place = |v: [VertexId; 4]| TetPlace::of(v.map(|v| state.at(v)));
+        let in_vain = record.in_vain.iter().filter_map(|&item| match item {
+            Item::Tet(t, v) if state.is_live(t, v) => Some(place(v)),
+            _ => None,
+        });
+        self.in_vain = in_vain.collect();
+        let slivers = slivers.into_iter().map(|(_, v)| place(v)).collect();
+        let (refused, refused_tets) = state.refusals(record);
+        Ok(Some(Remaining {
+            asked: Vec::new(),
+            refused,
+            refused_tets,
+            candidates: 0,
+            spent: self.spent,
+            slivers: Some(slivers),
+        }))
+    }
+
+    /// The refinement at its end.
+    ///
+    /// # Errors
+    /// Those of [`Refiner::refine`].
+    pub fn ended(self) -> Result<Refined, RefineError> {
+        self.end()
     }
 
     /// The figures of all rounds so far.
@@ -254,6 +301,11 @@ impl<'a> Delegated<'a> {
         let waiting: Option<Vec<Waiting>> = asked.iter().map(waiting).collect();
         let items: Option<Vec<_>> =
             refused.iter().map(|(place, why)| Some((found.get(place)?.0, *why))).collect();
+        let place = |&t: &TetId| TetPlace::of(own.state.vertices(t).map(|v| own.state.at(v)));
+        let in_vain = refused_tets.iter().map(|own| own.0);
+        let in_vain =
+            in_vain.filter(|t| !self.in_vain.is_empty() && self.in_vain.contains(&place(t)));
+        let in_vain = in_vain.map(|t| Item::Tet(t, own.state.vertices(t))).collect();
         let tets = refused_tets.iter().map(|&(t, why)| (Item::Tet(t, own.state.vertices(t)), why));
         let refused = items.map(|items| items.into_iter().chain(tets).collect());
         let gone = || RefineError::Invariant { what: "items asked for are in the mesh" };
@@ -261,12 +313,12 @@ impl<'a> Delegated<'a> {
         // Tetrahedra that no point helps have to be refused with their reasons.
         let thin = thin.filter(|_| !complex.has_angles());
         let (waiting, refused) = (waiting.ok_or_else(gone)?, refused.ok_or_else(gone)?);
-        Ok(Resumed { waiting, refused, candidates, thin, slivers, spent: self.spent })
+        Ok(Resumed { waiting, refused, candidates, thin, slivers, in_vain, spent: self.spent })
     }
 
     fn finish_from(mut self, resumed: Option<Resumed>) -> Result<Refined, RefineError> {
         let order: InsertOrder = self.run.refiner.order;
-        self.run.rounds_from(order, self.start_seconds, resumed)?;
+        self.run.rounds_from(order, self.start_seconds, resumed, None)?;
         self.end()
     }
 

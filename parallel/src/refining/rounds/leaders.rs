@@ -31,6 +31,11 @@ impl<C: Rules> Rounds<C> {
             }
         }
         self.keys.take_back(foremost);
+        // R30.
+        if !C::shares_leaders() {
+            let own = Contest::of(vec![entrants]).probed().next().unwrap_or_default();
+            return self.probe_leaders(&entered, &own);
+        }
         (self.choice.foremost, self.choice.entered) = (Some(0), Some(entered));
         self.send(CONDUCTOR, DomainNews::Entrants(entrants));
     }

@@ -7,7 +7,7 @@ use crate::protocol::Rules;
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::INFINITE;
 use ltbw_refine::{Asked, BoundaryItem, ItemPlace, Refusal, Remaining, TetPlace};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl<C: Rules> Rounds<C> {
     /// Goes on where others were: with what they have left, and figures.
@@ -35,16 +35,21 @@ impl<C: Rules> Rounds<C> {
             }
         }
         self.demands.refused.all.extend(left.refused.iter().copied());
-        if left.refused_tets.is_empty() {
-            return;
-        }
-        let refused: BTreeMap<TetPlace, Refusal> = left.refused_tets.iter().copied().collect();
         let all = mesh.inner.tets();
-        let finite = all.tets().map(|(t, _)| (t, all.vertices(t)));
-        let finite = finite.filter(|(_, v)| !v.contains(&INFINITE));
+        let finite = || {
+            let finite = all.tets().map(|(t, _)| (t, all.vertices(t)));
+            finite.filter(|(_, v)| !v.contains(&INFINITE))
+        };
         let place = |own: &[_; 4]| TetPlace::of(own.map(|v| mesh.point(v)));
-        self.keys
-            .refuse_again(finite.filter_map(|(t, v)| Some(((t, v), *refused.get(&place(&v))?))));
+        if !left.refused_tets.is_empty() {
+            let refused: BTreeMap<TetPlace, Refusal> = left.refused_tets.iter().copied().collect();
+            let own = finite().filter_map(|(t, v)| Some(((t, v), *refused.get(&place(&v))?)));
+            self.keys.refuse_again(own);
+        }
+        if let Some(slivers) = &left.slivers {
+            let slivers: BTreeSet<TetPlace> = slivers.iter().copied().collect();
+            self.slivers.resume(finite().filter(|(_, v)| slivers.contains(&place(v))).collect());
+        }
     }
 
     /// The work that is left.

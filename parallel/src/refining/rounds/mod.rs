@@ -29,7 +29,7 @@
 //! | `decide` | who is chosen |
 //! | `ruled` | the verdict on a probe's point |
 //! | `contest`, `conduct`, `turns` | turns at patches: by the conductor, and at home |
-//! | `slivers` | when all bounds are met: slivers, and the points that are tried for them |
+//! | `slivers`, `tried` | when all bounds are met: slivers, and the points tried for them |
 //! | `demands` | boundary items to be split, and who waits for whom |
 //! | `refused` | what cannot be split, and who knows |
 //! | `left` | what workers are given, and leave |
@@ -62,6 +62,7 @@ mod slivers;
 mod source;
 mod stages;
 mod tree;
+mod tried;
 mod turns;
 mod under_way;
 mod way;
@@ -84,8 +85,8 @@ use crate::threads::{Parallel, WorkerStats};
 use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_refine::{
-    Asked, Complex, ComplexError, Handed, ItemPlace, RefineStats, Refined, Refiner, Refusal,
-    Remaining, Start,
+    Asked, Complex, ComplexError, Delegated, Handed, ItemPlace, RefineStats, Refined, Refiner,
+    Refusal, Remaining, Start,
 };
 
 /// A worker that refines a domain in rounds.
@@ -137,6 +138,14 @@ struct Resumed {
     figures: RoundFigures,
 }
 
+/// The next thing when workers have ended.
+enum Then {
+    /// They go on.
+    Workers(Resumed),
+    /// Something is left to one processor, or nothing.
+    One(Option<Box<Handed>>),
+}
+
 /// Circles for which workers hand over, and take back what is left; at the last the engine goes on.
 const MOST_CIRCLES: u64 = 64;
 
@@ -175,8 +184,8 @@ fn refine<'a, C: Rules>(
 ) -> Result<AllRounds, RefineError> {
     let mut delegated = refiner.delegate(domain, lattice)?;
     let mut resumed = Resumed::default();
-    let mut firsts = Vec::new();
-    // Ends: each time at least one item of a circle is split, or refused.
+    let (mut firsts, mut told) = (Vec::new(), Ending::Done);
+    // Ends: each time at least one item of a circle is split, or refused; slivers are left once.
     loop {
         let (complex, start) = match delegated.complex() {
             Ok(whole) => whole,
@@ -190,11 +199,48 @@ fn refine<'a, C: Rules>(
             join(left, common, (&start, delegated.stats()), &mut figures)?;
         firsts = slots;
         figures.ended += 1;
-        if ending != Ending::Circles || figures.ended >= MOST_CIRCLES {
-            return Ok((delegated.finish(handed)?, Ok(ending), figures, firsts));
+        let then = go_on(&mut delegated, handed, (ending, figures))?;
+        told = told_of(told, ending);
+        match then {
+            Then::Workers(left) => resumed = left,
+            Then::One(left) => {
+                let refined = finish(delegated, left)?;
+                return Ok((refined, Ok(told), figures, firsts));
+            }
         }
-        resumed = Resumed { left: delegated.part_circles(handed)?, figures };
     }
+}
+
+/// One processor takes over when workers have ended, and may leave something to them: circles that
+/// are split, and once slivers.
+fn go_on(
+    delegated: &mut Delegated<'_>,
+    handed: Handed,
+    (ending, figures): (Ending, RoundFigures),
+) -> Result<Then, RefineError> {
+    let left = match ending {
+        Ending::Circles if figures.ended < MOST_CIRCLES => Some(delegated.part_circles(handed)?),
+        Ending::Cancelled => return Ok(Then::One(Some(Box::new(handed)))),
+        _ if handed.slivers.is_some() => return Ok(Then::One(Some(Box::new(handed)))),
+        _ => delegated.go_to_slivers(handed)?,
+    };
+    Ok(left.map_or(Then::One(None), |left| Then::Workers(Resumed { left, figures })))
+}
+
+/// The ending that is told of, after one before: the first that left something undone.
+fn told_of(before: Ending, next: Ending) -> Ending {
+    match before {
+        Ending::Done | Ending::Circles => next,
+        before => before,
+    }
+}
+
+/// The refinement at its end, with what is left to one processor.
+fn finish(delegated: Delegated<'_>, left: Option<Box<Handed>>) -> Result<Refined, RefineError> {
+    Ok(match left {
+        Some(handed) => delegated.finish(*handed)?,
+        None => delegated.ended()?,
+    })
 }
 
 /// Refines a domain in rounds on simulated processors. Virtual time is that of the processors, from
@@ -300,7 +346,8 @@ fn join(
     let (mut parts, mut asked, mut all_thin) = (Vec::new(), Vec::new(), Vec::new());
     let (mut refused, mut all_tets, mut all_slivers) = (Vec::new(), Vec::new(), Some(Vec::new()));
     let (mut ending, mut candidates) = (Ending::Done, 0);
-    let before_all = [figures.searches, figures.ahead];
+    let begin = *figures;
+    let before_all = [begin.searches, begin.ahead];
     let mut sums = before_all;
     for (part, left) in all {
         let own = left.figures;
@@ -323,13 +370,14 @@ fn join(
     }
     [figures.searches, figures.ahead] = sums;
     let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
-    let [rounds, segments, facets, inside] = figures.rounds;
+    // The engine may have carried out rounds, too.
+    let rounds = [0, 1, 2, 3].map(|k| figures.rounds[k] - begin.rounds[k]);
     let stats = RefineStats {
-        rounds,
-        rounds_with: [segments, facets, inside],
-        searches: figures.searches,
-        widest: figures.widest,
-        round_points: figures.points,
+        rounds: before.rounds + rounds[0],
+        rounds_with: [0, 1, 2].map(|k| before.rounds_with[k] + rounds[k + 1]),
+        searches: before.searches + figures.searches - begin.searches,
+        widest: before.widest.max(figures.widest),
+        round_points: before.round_points + figures.points - begin.points,
         ..before
     };
     let tets = firsts.iter().zip(all_tets).flat_map(|(first, own)| {

@@ -1,7 +1,10 @@
 //! Rounds by a worker in each process of a team: all begin from the same start, and the first one
 //! puts together what they leave, as it does with threads.
 
-use super::{Ending, Left, MOST_CIRCLES, Resumed, RoundNode, ThreadedRounds, begin, join, left_by};
+use super::{
+    Ending, Left, Resumed, RoundNode, Then, ThreadedRounds, begin, finish, go_on, join, left_by,
+    told_of,
+};
 use crate::mesh::share::{Share, put_back, share_of};
 use crate::mesh::{SharedInput, VertexName};
 use crate::protocol::Correct;
@@ -115,6 +118,7 @@ impl<P: Post> Member<'_, '_, P> {
         is_stopped: bool,
     ) -> Result<ThreadedRounds, RefineError> {
         let (mut resumed, mut firsts, mut workers) = (Resumed::default(), Vec::new(), Vec::new());
+        let mut ended = Ending::Done;
         // Ends as with threads: each time at least one item of a circle is split, or refused.
         let (refined, ending) = loop {
             let (complex, start) = match delegated.complex() {
@@ -132,15 +136,18 @@ impl<P: Post> Member<'_, '_, P> {
             let (handed, ending, slots) = join(all, common, before, &mut resumed.figures)?;
             firsts = slots;
             resumed.figures.ended += 1;
-            if ending != Ending::Circles || resumed.figures.ended >= MOST_CIRCLES {
-                self.team.tell_value(Some(None::<(Start, Resumed)>)).map_err(of_team)?;
-                break (delegated.finish(handed)?, Ok(ending));
+            ended = told_of(ended, ending);
+            match go_on(&mut delegated, handed, (ending, resumed.figures))? {
+                Then::One(left) => {
+                    self.team.tell_value(Some(None::<(Start, Resumed)>)).map_err(of_team)?;
+                    break (finish(delegated, left)?, Ok(ended));
+                }
+                Then::Workers(left) => {
+                    let again: Again = Some((delegated.complex()?.1, left));
+                    let told = self.team.tell_value(Some(again)).map_err(of_team)?;
+                    resumed = told.map(|(_, resumed)| resumed).unwrap_or_default();
+                }
             }
-            let left = delegated.part_circles(handed)?;
-            let (_, start) = delegated.complex()?;
-            let again: Again = Some((start, Resumed { left, figures: resumed.figures }));
-            let told = self.team.tell_value(Some(again)).map_err(of_team)?;
-            resumed = told.map(|(_, resumed)| resumed).unwrap_or_default();
         };
         let (owners, figures) = (Owners(firsts), resumed.figures);
         Ok(ThreadedRounds { refined, workers, owners, ending, figures })

@@ -13,84 +13,16 @@ use super::ranked::{Own, places_of};
 use super::reserved::LazyRank;
 use super::source::{Rounds, Stage};
 use super::stages::along_curve;
+use super::tried::{Best, Now, Sliver, Slivers};
 use super::way::{Entry, WayEnd, labels_at, walk_way};
 use crate::protocol::{Directory, Rules, Walk};
 use crate::refining::domain::DomainMesh;
-use crate::refining::news::{Bits, PartEnd, bits, point};
+use crate::refining::news::{PartEnd, bits, point};
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::TetId;
 use ltbw_refine::{
-    BoundaryItem, Carrier, Collected, Filled, OnBoundary, Rank, RankLead, SliverRuling, Tries, Try,
-    Watch, middle,
+    BoundaryItem, Carrier, Collected, Rank, RankLead, SliverRuling, Tries, Try, Watch, middle,
 };
-
-/// The thing that is tried for a sliver.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Now {
-    /// A point inside.
-    Inside,
-    /// The way to its centre: what bars it?
-    Looking,
-    /// A point on one of the items.
-    Beside { item: usize, gives_way: bool },
-    /// The best point, which is taken.
-    Taken,
-}
-
-/// A sliver, and the tries for it.
-#[derive(Debug)]
-struct Sliver {
-    own: Own,
-    tries: Tries,
-    now: Now,
-    /// The boundary items that points are tried on; before, those that keep points inside away.
-    items: Vec<BoundaryItem>,
-    best: Option<Best>,
-}
-
-/// The best point so far.
-#[derive(Debug)]
-struct Best {
-    to: Bits,
-    carrier: Carrier,
-    filled: Filled,
-}
-
-/// The slivers of one worker.
-#[derive(Debug, Default)]
-pub(super) struct Slivers {
-    /// Those to be looked at, if all bounds are met.
-    list: Option<Vec<Own>>,
-    /// Those of this round.
-    all: Vec<Sliver>,
-    /// Those of them that a point serves: if others are in its way they are looked at once more.
-    served: Vec<Own>,
-}
-
-impl Slivers {
-    /// Have rounds of slivers begun?
-    pub(super) fn has_begun(&self) -> bool {
-        self.list.is_some()
-    }
-
-    /// The points of this round are inserted.
-    pub(super) fn carry_out(&mut self) {
-        if let Some(list) = &mut self.list {
-            *list = std::mem::take(&mut self.served);
-        }
-    }
-
-    /// No point serves any.
-    pub(super) fn end(&mut self) {
-        self.list = Some(Vec::new());
-    }
-
-    /// Those that are left to be looked at, if rounds of slivers have begun.
-    pub(super) fn into_left(self, mesh: &DomainMesh<'_>) -> Option<Vec<TetId>> {
-        let is_left = |own: &Own| mesh.has(*own);
-        self.list.map(|list| list.into_iter().filter(is_left).map(|own| own.0).collect())
-    }
-}
 
 impl<C: Rules> Rounds<C> {
     /// Was anything refused, as far as this worker knows? Then slivers come after other late steps.
@@ -389,17 +321,5 @@ impl<C: Rules> Rounds<C> {
         let whose: (LazyRank, Carrier) = (probe.rank(), probe.carrier);
         self.served.reserve_own::<C>(mesh, id, whose);
         self.conclude(k, Outcome::Fits(filled));
-    }
-}
-
-impl Sliver {
-    /// The boundary item that a point is tried on, if it is on one.
-    fn on(&self) -> Option<OnBoundary<'_>> {
-        match self.now {
-            Now::Beside { item, gives_way } => {
-                Some(OnBoundary { item: &self.items[item], gives_way })
-            }
-            Now::Inside | Now::Looking | Now::Taken => None,
-        }
     }
 }

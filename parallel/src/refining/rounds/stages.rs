@@ -214,7 +214,7 @@ impl<C: Rules> Rounds<C> {
         }
         self.count(sums);
         match (is_done, self.slivers.has_begun()) {
-            // What was refused takes late steps before, of the engine.
+            // Late steps come before where anything was refused: they are the engine's.
             (true, false) if sums[REFUSED] == 0 && mesh.complex.splits_slivers() => {
                 return self.begin_slivers(mesh);
             }

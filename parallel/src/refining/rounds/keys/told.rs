@@ -34,7 +34,8 @@ impl SharedKeys {
             }
         }
         for (t, v) in std::mem::take(&mut self.withdrawn) {
-            if !mesh.has((t, v)) {
+            // R31.
+            if !C::withdraws_ranks() || !mesh.has((t, v)) {
                 continue;
             }
             let places = tets.neighbours(t).map(|face| tets.far_place(tet_of(face)));
