@@ -17,6 +17,8 @@ pub(crate) struct Asked {
     pub(crate) radius_edge: Option<f64>,
     /// Degrees; 0 for none.
     pub(crate) min_dihedral: f64,
+    /// Sweeps of smoothing.
+    pub(crate) smooth: u32,
     pub(crate) max_volume: Option<f64>,
     /// An edge length for all places.
     pub(crate) size: Option<f64>,
@@ -29,7 +31,7 @@ impl Asked {
             Some(bound) => Refiner::new().radius_edge(bound),
             None => Refiner::new().any_shape(),
         };
-        let refiner = refiner.min_dihedral(self.min_dihedral);
+        let refiner = refiner.min_dihedral(self.min_dihedral).smooth(self.smooth);
         match self.max_volume {
             Some(bound) => refiner.max_volume(bound),
             None => refiner,
@@ -114,12 +116,13 @@ pub(crate) fn asked(args: &MeshArgs) -> Result<Asked, Failure> {
         return Ok(Asked {
             radius_edge,
             min_dihedral: args.min_dihedral,
+            smooth: args.smooth,
             max_volume: args.max_volume,
             size: args.size,
         });
     };
     let (asked, over) = switched(switches, args.size)?;
-    let asked = Asked { min_dihedral: args.min_dihedral, ..asked };
+    let asked = Asked { min_dihedral: args.min_dihedral, smooth: args.smooth, ..asked };
     for (letter, why) in over {
         console::people(&format!("note: --tetgen-switches: `{letter}` is passed over: {why}"));
     }
@@ -174,13 +177,14 @@ pub(crate) fn binding(
     let options = Chosen::default()
         .number("radius_edge", asked.radius_edge)
         .number("min_dihedral", Some(asked.min_dihedral))
+        .with("smooth", (asked.smooth > 0).then_some(asked.smooth))
         .number("max_volume", asked.max_volume)
         .number("size", asked.size)
+        .with("sizes_field", args.sizes.as_ref().and_then(|sizes| sizes.field.as_ref()))
         .with("max_points", args.max_points)
         .number("flat_tolerance", Some(flat_tolerance))
         .number("repair", preparation.repair)
         .number("simplify", preparation.simplify)
-        .with("sizes_field", args.sizes.as_ref().and_then(|sizes| sizes.field.as_ref()))
         .flag("exact_input", preparation.exact_input)
         .flag("local_frame", preparation.local_frame)
         .flag("own_frame", preparation.own_frame)

@@ -63,6 +63,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
             min_dihedral: MIN_DIHEDRAL,
             max_volume: Some(MAX_VOLUME),
             size: None,
+            smooth: 0,
         },
         field: None,
         crew: None,

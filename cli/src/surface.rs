@@ -33,7 +33,7 @@ pub(crate) struct Preparation {
     /// are not filled, and bodies are not united. At most 2^-10 of the domain's diagonal.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) repair: Option<f64>,
-    /// Take neighbouring facets that are coplanar within this distance for one facet
+    /// Take neighbouring facets coplanar within this distance for one
     ///
     /// The edges inside such a facet need not be in the mesh; its vertices and its outline are. At
     /// most 2^-10 of the domain's diagonal; 0: facets are what they are. Default: 0 for .poly and

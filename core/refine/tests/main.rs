@@ -3,3 +3,4 @@
 mod given_points;
 mod regions;
 mod resume;
+mod smoothing;
