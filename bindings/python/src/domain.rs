@@ -52,6 +52,7 @@ pub(crate) struct Asked {
     max_volume: Option<f64>,
     radius_edge: Option<f64>,
     min_dihedral: Option<f64>,
+    smooth: u32,
     size: Option<Size>,
     max_points: Option<u64>,
     holes: Option<Void>,
@@ -61,6 +62,7 @@ pub(crate) struct Asked {
     simplify: f64,
     flat_tolerance: Option<f64>,
     exact_input: bool,
+    strict: bool,
     own_frame: Option<bool>,
     check: bool,
     excused_share: Option<f64>,
@@ -78,6 +80,7 @@ impl Asked {
             max_volume: self.max_volume,
             radius_edge: self.radius_edge,
             min_dihedral: self.min_dihedral,
+            smooth: self.smooth,
             max_points: self.max_points,
             holes: match &self.holes {
                 None => Holes::Given,
@@ -89,7 +92,9 @@ impl Asked {
             repair: self.repair,
             simplify: self.simplify,
             flat_tolerance: self.flat_tolerance,
+            points: Vec::new(),
             exact_input: self.exact_input,
+            strict: self.strict,
             frame: match self.own_frame {
                 None => Frame::Auto,
                 Some(true) => Frame::Own,
@@ -104,16 +109,19 @@ impl Asked {
 /// The mesh, its certificate, and notes.
 type Meshed = (Kernel, Option<String>, Vec<String>);
 
-/// Meshes a domain.
+/// Meshes a domain, with more points as vertices.
 #[pyfunction]
 pub(crate) fn tetrahedralize(
     py: Python<'_>,
     given: Given<'_>,
     asked: Asked,
+    more: Option<Coordinates<'_>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Meshed> {
     let source = given.source()?;
-    let (tell, wishes, asked) = (progress.as_ref(), Arc::new(asked.wishes()), Arc::new(asked));
+    let more = more.map(|more| points(&more)).transpose()?.unwrap_or_default();
+    let wishes = Arc::new(Wishes { points: more, ..asked.wishes() });
+    let (tell, asked) = (progress.as_ref(), Arc::new(asked));
     let own = (Arc::clone(&wishes), Arc::clone(&asked));
     let whole = move |reins: &Reins| {
         let (wishes, asked) = own;
