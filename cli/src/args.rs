@@ -12,7 +12,7 @@ use crate::streams::Streams;
 use crate::surface::Preparation;
 use crate::workers::Mode;
 use clap::{Parser, Subcommand, ValueEnum};
-use ltbw::points::MAX_POINTS;
+use ltbw::{points::MAX_POINTS, refine::MOST_SWEEPS};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -33,8 +33,8 @@ const REFINE_EXAMPLES: &str = "\
 Examples:
   ltbw refine mesh.vtu --max-volume 1e-5 -o finer.vtu
   ltbw refine mesh.msh --sizes error.mtr -o finer.msh      edge lengths at the mesh's vertices
-  ltbw refine mesh.ele --mark large.txt -o finer.ele       half the volume where it names cells
   ltbw refine mesh.vtu --sizes solution.vtu:h -o new.vtu   those that an array of points has
+  ltbw refine mesh.ele --mark large.txt -o finer.ele       half the volume where it names cells
   ltbw refine mesh.vtu --plc domain.poly --size 0.1        with the domain that it is a mesh of
   ltbw refine anybodys.vtu --delaunay -o mesh.vtu          its vertices and its boundary
 
@@ -289,6 +289,10 @@ pub(crate) struct MeshArgs {
     /// Splits dihedral angles below D degrees; up to 12
     #[arg(long, value_name = "D", default_value_t = 8.0, allow_negative_numbers = true)]
     pub(crate) min_dihedral: f64,
+    /// Moves vertices inside, for larger angles, in N sweeps
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(0..=u64::from(MOST_SWEEPS)))]
+    #[arg(allow_negative_numbers = true, default_value_t = 0, hide_default_value = true)]
+    pub(crate) smooth: u32,
     /// Largest volume of a tetrahedron
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub(crate) max_volume: Option<f64>,

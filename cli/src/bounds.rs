@@ -13,6 +13,8 @@ pub(crate) struct Asked {
     pub(crate) radius_edge: Option<f64>,
     /// Degrees; 0 for none.
     pub(crate) min_dihedral: f64,
+    /// Sweeps of smoothing.
+    pub(crate) smooth: u32,
     pub(crate) max_volume: Option<f64>,
     /// The longest edge.
     pub(crate) max_edge: Option<f64>,
@@ -25,7 +27,7 @@ impl Asked {
             Some(bound) => Refiner::new().radius_edge(bound),
             None => Refiner::new().any_shape(),
         };
-        let mut refiner = refiner.min_dihedral(self.min_dihedral);
+        let mut refiner = refiner.min_dihedral(self.min_dihedral).smooth(self.smooth);
         if let Some(bound) = self.max_edge {
             refiner = refiner.max_edge(bound);
         }
@@ -74,13 +76,14 @@ pub(crate) fn asked(args: &MeshArgs) -> Result<Asked, Failure> {
         return Ok(Asked {
             radius_edge,
             min_dihedral: args.min_dihedral,
+            smooth: args.smooth,
             max_volume: args.max_volume,
             max_edge: args.sizing.max_edge,
         });
     };
     let (asked, over) = switched(switches)?;
     let (min_dihedral, max_edge) = (args.min_dihedral, args.sizing.max_edge);
-    let asked = Asked { min_dihedral, max_edge, ..asked };
+    let asked = Asked { min_dihedral, max_edge, smooth: args.smooth, ..asked };
     for (letter, why) in over {
         console::people(&format!("note: --tetgen-switches: `{letter}` is passed over: {why}"));
     }
@@ -135,6 +138,7 @@ pub(crate) fn binding(
     let options = Chosen::default()
         .number("radius_edge", asked.radius_edge)
         .number("min_dihedral", Some(asked.min_dihedral))
+        .with("smooth", (asked.smooth > 0).then_some(asked.smooth))
         .number("max_volume", asked.max_volume);
     let options = args
         .sizing

@@ -64,6 +64,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
             min_dihedral: MIN_DIHEDRAL,
             max_volume: Some(MAX_VOLUME),
             max_edge: None,
+            smooth: 0,
         },
         field: None,
         crew: None,

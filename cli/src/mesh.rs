@@ -375,6 +375,9 @@ fn print_mesh(refined: &Refined, inside: &TetMesh, quality: Option<&Quality>) {
         "points    {} on segments, {} on facets, {} inside",
         stats.segment_points, stats.facet_points, stats.free_points
     ));
+    if stats.moved > 0 {
+        console::people(&format!("smoothed  {} moves of vertices inside", stats.moved));
+    }
     rounds::line(stats).iter().for_each(|line| console::people(line));
     quality.into_iter().for_each(|quality| console::people(&quality_line(quality)));
 }
@@ -425,6 +428,7 @@ fn refinement_json(job: &Job<'_>, refined: &Refined, ready: &Prepared) -> Value 
         "facet_points": stats.facet_points,
         "free_points": stats.free_points,
         "slivers": excused::slivers_json(refined),
+        "moved": stats.moved,
         "rounds": rounds::json(stats),
         "excused": refined.excuses.len(),
         "excused_at": excused::json(refined),

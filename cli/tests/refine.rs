@@ -69,6 +69,25 @@ fn what_is_no_mesh_or_no_size_is_refused() {
     assert!(refused.error().contains("no tetrahedra"), "{}", refused.stderr);
 }
 
+#[test]
+fn vertices_inside_move_alike_by_workers() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    let plain = model(dir);
+    let args = ["mesh", "d.poly", "--max-volume", "1e-2", "--smooth", "2", "-o", "s.vtu"];
+    let moved = run(dir, &args, 0);
+    assert!(moved.stderr.contains("\nsmoothed  "), "{}", moved.stderr);
+    let crew = run(dir, &[&args[..], &["--workers", "2", "--json", "r.json"]].concat(), 0);
+    assert_eq!(moved.stdout, crew.stdout);
+    assert_ne!(hash(&moved.stdout), plain);
+    let report = read_json(dir.join("r.json"));
+    assert!(report["refinement"]["moved"].as_u64() > Some(0), "{report}");
+    assert_eq!(report["certificate"]["binding"]["options"]["smooth"], "2");
+    let bounds = ["--max-volume", "1e-2", "--radius-edge", "2"];
+    run(dir, &[&["check", "s.vtu", "--plc", "d.poly"], &bounds[..]].concat(), 0);
+    run(dir, &["mesh", "d.poly", "--smooth", "17"], 2);
+}
+
 /// A `.vtu` as text with an array of lengths at its points: those of a linear function.
 fn with_solution(dir: &Path, from: &str, to: &str, names: &[&str]) {
     run(dir, &["convert", from, "ascii.vtu", "--ascii"], 0);

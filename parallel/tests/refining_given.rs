@@ -17,6 +17,23 @@ fn used(refined: &Refined) -> HashSet<u32> {
 }
 
 #[test]
+fn vertices_move_alike_after_rounds_of_workers() {
+    let domain = generate_domain(DomainKind::TwoMaterial, &Shape::default()).expect("a domain");
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refiner = Refiner::new().max_volume(1e-3).start(64).smooth(2);
+    let whole = (&ready.domain, &ready.lattice);
+    let engine = refiner.refine(whole.0, whole.1).expect("a mesh");
+    assert!(engine.stats.moved > 100, "{}", engine.stats.moved);
+    for workers in [1, 2, 3] {
+        let run = rounds_on_threads(&refiner, whole, &Parallel::new(workers)).expect("a run ends");
+        assert!(run.figures.points > 0, "{workers}");
+        let refined = run.refined;
+        assert_eq!(refined.mesh().hash(), engine.mesh().hash(), "{workers}");
+        assert_eq!(refined.stats.moved, engine.stats.moved, "{workers}");
+    }
+}
+
+#[test]
 fn a_thousand_points_have_one_mesh_by_threads_and_workers() {
     for (kind, volume) in [(DomainKind::CubeOctahedron, 2e-3), (DomainKind::Tee, 1e-2)] {
         let domain = generate_domain(kind, &Shape::default()).expect("a domain");

@@ -278,6 +278,26 @@ typedef struct ltbw_wishes {
    The longest edge, exactly; 0: no bound.
    */
   double max_edge;
+  /*
+   Points that are vertices of the mesh, too, three coordinates each, or NULL. Within three
+   steps of the lattice of the boundary they are put on it; those outside are left out, and a
+   note says how many.
+   */
+  const double *points;
+  /*
+   Number of them.
+   */
+  size_t point_count;
+  /*
+   The sweeps, at most 16, in which vertices inside are moved in the end, each where the
+   smallest dihedral angle around rises; 0: none.
+   */
+  uint32_t smooth;
+  /*
+   Anything but 0: input that would be repaired, of which something would be left out or
+   guessed, is refused.
+   */
+  int32_t strict;
 } ltbw_wishes;
 
 #ifdef __cplusplus

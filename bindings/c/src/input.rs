@@ -115,6 +115,18 @@ pub struct Wishes {
     pub fill: u32,
     /// The longest edge, exactly; 0: no bound.
     pub max_edge: f64,
+    /// Points that are vertices of the mesh, too, three coordinates each, or NULL. Within three
+    /// steps of the lattice of the boundary they are put on it; those outside are left out, and a
+    /// note says how many.
+    pub points: *const f64,
+    /// Number of them.
+    pub point_count: usize,
+    /// The sweeps, at most 16, in which vertices inside are moved in the end, each where the
+    /// smallest dihedral angle around rises; 0: none.
+    pub smooth: u32,
+    /// Anything but 0: input that would be repaired, of which something would be left out or
+    /// guessed, is refused.
+    pub strict: i32,
 }
 
 /// The values at a pointer, which are not looked at. Null is refused, and so are more values than
@@ -266,6 +278,8 @@ impl Wishes {
             attribute: r.attribute,
             max_volume: positive(r.max_volume),
         };
+        // SAFETY: as the caller promises.
+        let more = unsafe { points(given.points, given.point_count, "wishes.points") }?;
         let edge_length = positive(given.edge_length).map(length).transpose()?;
         Ok(Asked {
             wishes: ltbw_bindings::Wishes {
@@ -283,7 +297,10 @@ impl Wishes {
                     below if below < 0.0 => Some(0.0),
                     within => Some(within),
                 },
+                points: more,
+                smooth: given.smooth,
                 exact_input: given.exact_input != 0,
+                strict: given.strict != 0,
                 frame: frame(given.frame)?,
                 unchecked: given.unchecked != 0,
                 excused_share: positive(given.excused_share)

@@ -35,6 +35,10 @@ const NOTHING: Wishes = Wishes {
     simplify: 0.0,
     fill: 0,
     max_edge: 0.0,
+    points: null(),
+    point_count: 0,
+    smooth: 0,
+    strict: 0,
 };
 
 /// The number of tetrahedra, or the code of the failure.
@@ -125,6 +129,7 @@ fn lengths_that_memory_has_no_places_for_are_refused() {
         let wishes = [
             Wishes { holes: points.as_ptr().cast(), hole_count: length, ..NOTHING },
             Wishes { regions: &raw const region, region_count: length, ..NOTHING },
+            Wishes { points: points.as_ptr().cast(), point_count: length, ..NOTHING },
         ];
         for wishes in wishes {
             let refused = tetrahedralized(&whole, &wishes);
@@ -172,6 +177,54 @@ fn a_rule_says_what_is_void() {
     let refused =
         [ruled(false, 3), ruled(false, -1), tetrahedralized(&Nested::new(false).surface(), &both)];
     assert!(refused.iter().all(|code| *code == Err("holes.rule".to_owned())), "{refused:?}");
+}
+
+#[test]
+fn points_are_vertices_and_those_outside_are_told_of() {
+    let surface_of = Nested::new(false);
+    // Inside, on a facet, at a corner, outside.
+    let points = [[0.5, 0.25, 2.0], [4.0, 1.25, 0.5], [4.0; 3], [9.0, 0.0, 0.0]];
+    let given = |count| Wishes {
+        points: points.as_ptr().cast(),
+        point_count: count,
+        hole_rule: 1,
+        ..NOTHING
+    };
+    let (mut mesh, mut count) = (std::ptr::null_mut(), 0);
+    // SAFETY: the arrays are as long as they say; the mesh is freed once, after it was read.
+    unsafe {
+        let surface = surface_of.surface();
+        let status = ltbw_tetrahedralize(&surface, &given(4), null(), &raw mut mesh);
+        assert_eq!(status, Status::LTBW_OK);
+        let vertices = ltbw_mesh_points(mesh, &raw mut count).cast::<[f64; 3]>();
+        let vertices = std::slice::from_raw_parts(vertices, count);
+        assert_eq!(vertices[16..18], points[..2], "they follow the vertices of the surface");
+        let notes: Vec<String> = (0..)
+            .map(|k| ltbw_mesh_note(mesh, k))
+            .take_while(|note| !note.is_null())
+            .map(|note| CStr::from_ptr(note).to_string_lossy().into_owned())
+            .collect();
+        let expected = [
+            "1 point left out: outside",
+            "given: 2 points: 1 inside, 1 on facets, 0 on edges; 1 are at a vertex, or given twice",
+        ];
+        assert!(expected.iter().all(|note| notes.iter().any(|own| own == note)), "{notes:?}");
+        ltbw_mesh_free(mesh);
+    }
+    let strict = |count| Wishes { strict: 1, ..given(count) };
+    let surface = surface_of.surface();
+    assert_eq!(tetrahedralized(&surface, &strict(4)), Err("domain.strict".to_owned()));
+    assert!(tetrahedralized(&surface, &strict(3)).is_ok());
+    assert_eq!(
+        tetrahedralized(&surface, &Wishes { points: null(), ..given(1) }),
+        Err("argument.null".to_owned())
+    );
+    let moved = |smooth| tetrahedralized(&surface, &Wishes { smooth, radius_edge: 2.0, ..NOTHING });
+    assert!(moved(1).is_ok());
+    assert_eq!(moved(17), Err("refine.bound".to_owned()));
+    let no_number = [f64::NAN; 3];
+    let wrong = Wishes { points: no_number.as_ptr(), point_count: 1, ..NOTHING };
+    assert!(tetrahedralized(&surface, &wrong).is_err());
 }
 
 #[test]

@@ -79,13 +79,14 @@ impl Ready {
     pub fn new(source: Source, wishes: &Wishes) -> Result<Self, Failure> {
         let mut file = source.read()?;
         file.domain.regions.extend(&wishes.regions);
+        file.domain.points.extend_from_slice(&wishes.points);
         let mut options = PrepareOptions {
             exact_input: wishes.exact_input,
             repair: wishes.repair,
             frame: wishes.frame,
             oriented: file.oriented,
             nested_voids: false,
-            strict: false,
+            strict: wishes.strict,
             simplify: wishes.simplify,
             fill: wishes.fill,
         };
@@ -104,6 +105,7 @@ impl Ready {
         }));
         let mut notes = file.notes;
         notes.extend(prepared.notes());
+        notes.extend(prepared.given().map(|text| format!("given: {text}")));
         notes.extend(prepared.simplified.iter().map(|told| format!("simplified: {}", told.note())));
         let offset = prepared.lattice.offset();
         if offset != [0.0; 3] {
@@ -170,6 +172,21 @@ impl Ready {
         Ok(Box::new(move |p| background.at(p)))
     }
 
+    /// Edge lengths at the points of a mesh in the source's coordinates, linear in between.
+    ///
+    /// # Errors
+    /// Sizes that are no lengths, or not as many as points; a mesh that names none of its points.
+    pub fn sizes_on(
+        &self,
+        points: Vec<Point>,
+        tets: Vec<[u32; 4]>,
+        sizes: &[f64],
+    ) -> Result<Box<Field<'static>>, Failure> {
+        let mesh = TetMesh { points, tets, ..TetMesh::default() };
+        let (background, offset) = (Background::new(&mesh, sizes)?, self.offset());
+        Ok(Box::new(move |p| background.at([0, 1, 2].map(|k| p[k] + offset[k]))))
+    }
+
     /// Refines, with a sizing field or without. The observer is called by this thread, and so is
     /// the field if `here`.
     ///
@@ -191,7 +208,7 @@ impl Ready {
             Some(degrees) => refiner.min_dihedral(degrees),
             None => refiner,
         };
-        let refiner = refiner.flat_tolerance(self.flat_tolerance);
+        let refiner = refiner.flat_tolerance(self.flat_tolerance).smooth(wishes.smooth);
         let mut refiner = refiner.observer(observer).cancel(cancel);
         if let Some(bound) = wishes.max_volume {
             refiner = refiner.max_volume(bound);

@@ -43,6 +43,8 @@ pub struct Wishes {
     /// The degrees below which a dihedral angle is split, at most 12; 0: none is. `None`: what is
     /// usual, as the program does.
     pub min_dihedral: Option<f64>,
+    /// The sweeps in which vertices inside are moved in the end, at most 16.
+    pub smooth: u32,
     /// The most points to insert.
     pub max_points: Option<u64>,
     /// The rule that says what is void.
@@ -66,6 +68,11 @@ pub struct Wishes {
     pub frame: Frame,
     /// Refuse a domain that is not on its lattice.
     pub exact_input: bool,
+    /// Points that are vertices of the mesh, too: within three steps of the lattice of the boundary
+    /// they are put on it; those outside are left out, with a note.
+    pub points: Vec<Point>,
+    /// Refuse input that would be repaired, of which something would be left out or guessed.
+    pub strict: bool,
     /// Leave the mesh unchecked.
     pub unchecked: bool,
     /// The share of tetrahedra, and of volume, that may be excused in a mesh that serves, at most

@@ -53,6 +53,7 @@ pub(crate) struct Asked {
     max_volume: Option<f64>,
     radius_edge: Option<f64>,
     min_dihedral: Option<f64>,
+    smooth: u32,
     size: Option<Size>,
     max_edge: Option<f64>,
     /// A place, a length, a radius.
@@ -71,6 +72,7 @@ pub(crate) struct Asked {
     flat_tolerance: Option<f64>,
     feature_angle: Option<f64>,
     exact_input: bool,
+    strict: bool,
     own_frame: Option<bool>,
     check: bool,
     excused_share: Option<f64>,
@@ -95,6 +97,7 @@ impl Asked {
             growth: self.growth,
             radius_edge: self.radius_edge,
             min_dihedral: self.min_dihedral,
+            smooth: self.smooth,
             max_points: self.max_points,
             holes: match &self.holes {
                 None => Holes::Given,
@@ -108,7 +111,9 @@ impl Asked {
             fill: self.fill,
             flat_tolerance: self.flat_tolerance,
             feature_angle: self.feature_angle,
+            points: Vec::new(),
             exact_input: self.exact_input,
+            strict: self.strict,
             frame: match self.own_frame {
                 None => Frame::Auto,
                 Some(true) => Frame::Own,
@@ -123,16 +128,19 @@ impl Asked {
 /// The mesh, its certificate, and notes.
 type Meshed = (Kernel, Option<String>, Vec<String>);
 
-/// Meshes a domain.
+/// Meshes a domain, with more points as vertices.
 #[pyfunction]
 pub(crate) fn tetrahedralize(
     py: Python<'_>,
     given: Given<'_>,
     asked: Asked,
+    more: Option<Coordinates<'_>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Meshed> {
     let source = given.source()?;
-    let (tell, wishes, asked) = (progress.as_ref(), Arc::new(asked.wishes()), Arc::new(asked));
+    let more = more.map(|more| points(&more)).transpose()?.unwrap_or_default();
+    let wishes = Arc::new(Wishes { points: more, ..asked.wishes() });
+    let (tell, asked) = (progress.as_ref(), Arc::new(asked));
     let own = (Arc::clone(&wishes), Arc::clone(&asked));
     let whole = move |reins: &Reins| {
         let (wishes, asked) = own;

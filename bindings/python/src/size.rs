@@ -1,4 +1,5 @@
-//! Wanted edge lengths: a number, an array at the vertices, or a Python function of the place.
+//! Wanted edge lengths: a number, an array at the vertices of the surface or of a mesh, or a Python
+//! function of the place.
 
 use crate::failure::Failure;
 use crate::supervise::look;
@@ -15,6 +16,8 @@ pub(crate) enum Size {
     Constant(f64),
     /// One for each vertex of the surface.
     Vertices(Vec<f64>),
+    /// One for each point of a mesh: points, tetrahedra, lengths.
+    OnMesh(Vec<Point>, Vec<[u32; 4]>, Vec<f64>),
     /// A function of the place.
     Function(Py<PyAny>),
 }
@@ -28,6 +31,9 @@ impl Size {
                 Ok(Some(Box::new(move |_| length)))
             }
             Self::Vertices(sizes) => Ok(Some(ready.sizes(sizes)?)),
+            Self::OnMesh(points, tets, sizes) => {
+                Ok(Some(ready.sizes_on(points.clone(), tets.clone(), sizes)?))
+            }
             Self::Function(_) => Ok(None),
         }
     }

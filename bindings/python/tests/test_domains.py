@@ -61,6 +61,74 @@ def test_sizes_refine_where_they_are_small(cube):
         assert (middle[:, 0] < 0.5).sum() > 2 * (middle[:, 0] > 0.5).sum()
 
 
+def test_sizes_may_be_those_of_a_solution(cube):
+    # The field of a function at the vertices of a coarse mesh, linear in between.
+    coarse = ltbw.tetrahedralize(cube, size=0.3)
+    sizes = 0.06 + 0.4 * coarse.points[:, 0]
+    fine = ltbw.tetrahedralize(cube, size=sizes, background=coarse)
+    again = ltbw.tetrahedralize(cube, size=sizes, background=(coarse.points, coarse.simplices))
+    assert fine.outcome == "met" and fine.hash == again.hash
+    assert fine.hash == ltbw.tetrahedralize(cube, size=sizes, background=coarse.to_meshio()).hash
+    middle = fine.points[fine.simplices].mean(axis=1)
+    assert (middle[:, 0] < 0.5).sum() > 4 * (middle[:, 0] > 0.5).sum()
+    # Points of a background mesh are places of the surface, wherever that lies.
+    far = (np.array(cube[0]) + 2.0**20, cube[1])
+    on = (coarse.points + 2.0**20, coarse.simplices)
+    with pytest.warns(UserWarning, match="far from the origin"):
+        assert len(ltbw.tetrahedralize(far, size=sizes, background=on).simplices) > 100
+    for wrong in (
+        {"size": sizes[1:], "background": coarse},
+        {"size": 0.1, "background": coarse},
+        {"background": coarse},
+        {"size": sizes, "background": 7},
+        {"size": sizes, "background": (coarse.points, [])},
+        {"size": sizes, "background": (coarse.points, [[0, 1, 2, len(sizes)]])},
+    ):
+        with pytest.raises(ltbw.InputError):
+            ltbw.tetrahedralize(cube, **wrong)
+
+
+def test_vertices_inside_are_moved(cube):
+    plain = ltbw.tetrahedralize(cube, max_volume=1e-3)
+    mesh = ltbw.tetrahedralize(cube, max_volume=1e-3, smooth=2)
+    assert mesh.certificate.passed and len(mesh.points) == len(plain.points)
+    least = lambda m: m.quality["dihedral"]["least"][0]
+    assert mesh.hash != plain.hash and least(mesh) >= least(plain)
+    assert ltbw.check(mesh.points, mesh.simplices, cube, max_volume=1e-3, radius_edge=2).passed
+    for wrong in (17, -1, 0.5):
+        with pytest.raises(ltbw.InputError):
+            ltbw.tetrahedralize(cube, smooth=wrong)
+
+
+def test_points_are_vertices(cube, program, tmp_path):
+    inside, on_facet, on_edge = [0.25, 0.375, 0.625], [1.0, 0.25, 0.75], [0.125, 1.0, 0.0]
+    outside, corner = [0.5, 0.5, 1.5], [1.0, 1.0, 1.0]
+    given = [outside, inside, on_facet, corner, on_edge, inside]
+    mesh = ltbw.tetrahedralize(cube, points=given)
+    assert mesh.outcome == "met" and mesh.certificate.passed
+    assert mesh.points[8:11].tolist() == [inside, on_facet, on_edge]
+    assert set(range(11)) <= set(mesh.simplices.ravel().tolist())
+    assert "1 point left out: outside" in mesh.notes
+    told = "given: 3 points: 1 inside, 1 on facets, 1 on edges; 2 are at a vertex, or given twice"
+    assert told in mesh.notes
+    # As the program does, by any number of threads, and through files.
+    np.save(tmp_path / "p.npy", np.array(given))
+    lines = ["OFF", f"{len(cube[0])} {len(cube[1])} 0"]
+    lines += [" ".join(map(str, p)) for p in cube[0]]
+    lines += [" ".join(map(str, [len(f), *f])) for f in cube[1]]
+    (tmp_path / "c.off").write_text("\n".join(lines) + "\n")
+    expected = program("mesh", tmp_path / "c.off", "--points", tmp_path / "p.npy").split()[-1]
+    assert mesh.hash == expected
+    assert ltbw.tetrahedralize(cube, points=tmp_path / "p.npy", threads=2).hash == expected
+    with pytest.raises(ltbw.DomainError) as caught:
+        ltbw.tetrahedralize(cube, points=given, strict=True)
+    assert caught.value.code == "domain.strict" and "outside" in str(caught.value)
+    assert ltbw.tetrahedralize(cube, points=given[1:], strict=True).hash == expected
+    for wrong in ([[0.0, 1.0]], [[np.nan] * 3], "nothing.npy"):
+        with pytest.raises(ltbw.Error):
+            ltbw.tetrahedralize(cube, points=wrong)
+
+
 def test_a_size_function_may_raise(cube):
     class Mine(Exception):
         pass

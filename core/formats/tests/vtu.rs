@@ -286,6 +286,6 @@ fn a_field_of_the_points_is_read_by_its_name() {
         assert!(read(&with_arrays(&array("size", float, values)), None).is_err(), "{values}");
     }
     assert!(read(&with_arrays(&array("size", float, "1 2 nan 4")), None).is_err());
-    // Whoever asks for no field reads the mesh as before.
+    // Without a field the mesh is read as before.
     assert_eq!(vtu::read(several.as_bytes()).expect("a mesh").mesh.tets, [[0, 1, 2, 3]]);
 }

@@ -85,9 +85,7 @@ impl Mesh {
     pub fn remove(&mut self, v: Vertex) -> Result<(), RemoveError> {
         let k = self.numbering().get(v).ok_or(RemoveError::Unknown { vertex: v })?;
         let number = self.numbers[k.index()];
-        self.close_star(k, number)?;
-        self.leave(k);
-        self.forget(number);
+        self.take_out(k)?;
         if self.duplicates.iter().any(|duplicate| duplicate.kept == number) {
             let mut all = std::mem::take(&mut self.duplicates);
             let gone = all.extract_if(.., |duplicate| duplicate.kept == number);
@@ -160,8 +158,14 @@ impl Mesh {
         }
     }
 
-    /// Replaces the star of a kernel vertex with tetrahedra that have it not.
-    fn close_star(&mut self, v: VertexId, vertex: Vertex) -> Result<(), RemoveError> {
+    /// Removes a kernel vertex: its star is replaced with tetrahedra that have it not, which are
+    /// then the star of the cavity. The next vertex that is entered gets its place.
+    ///
+    /// # Errors
+    /// [`RemoveError`]: the mesh is as before.
+    #[doc(hidden)]
+    pub fn take_out(&mut self, v: VertexId) -> Result<(), RemoveError> {
+        let vertex = self.numbers[v.index()];
         let damaged = |_: Defect| RemoveError::Damaged { vertex };
         let hint = self.hint();
         let Self { topology, geometry, cavity, .. } = self;
@@ -173,8 +177,7 @@ impl Mesh {
         let p = *geometry.point(v);
         let mut apart = None;
         if filling.corners().len() > LARGE {
-            let at = |&v: &VertexId| *geometry.point(v);
-            apart = Apart::new(filling.corners().iter().map(at).collect());
+            apart = Apart::new(filling.corners().iter().map(|&v| *geometry.point(v)).collect());
         }
         let is_apart = apart.is_some();
         match apart {
@@ -187,8 +190,7 @@ impl Mesh {
         .map_err(damaged)?;
         let finite = topology.len() - topology.ghosts();
         if finite + filling.finite() == cavity.finite() {
-            let left = open.owner().num_vertices() - 1;
-            return Err(RemoveError::Flat { vertex, left });
+            return Err(RemoveError::Flat { vertex, left: open.owner().num_vertices() - 1 });
         }
         if !cavity.has_room_for(topology, filling) {
             return Err(RemoveError::TooManyTets { limit: topology.limit() });
@@ -205,6 +207,8 @@ impl Mesh {
             made.first().copied().unwrap_or_default()
         });
         self.set_hint(hint);
+        self.leave(v);
+        self.forget(vertex);
         Ok(())
     }
 }

@@ -58,7 +58,7 @@ use ltbw_exact::points::PointError;
 pub use complex::background::{Background, BackgroundError};
 pub use complex::carrier::Carrier;
 pub use complex::marked::Marked;
-pub use mesh::bounds::SizeField;
+pub use mesh::bounds::{MOST_SWEEPS, SizeField};
 pub use mesh::item::Item;
 #[doc(hidden)]
 pub use mesh::limit::Limit;

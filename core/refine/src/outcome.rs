@@ -201,6 +201,8 @@ pub struct RefineStats {
     pub widest: u64,
     /// Points inserted by rounds.
     pub round_points: u64,
+    /// Moves of vertices inside, by smoothing.
+    pub moved: u64,
     /// Threads that chose the points of the rounds; 0 without rounds.
     pub round_threads: usize,
     /// Phases in which items that wait for each other in a circle were split jointly.

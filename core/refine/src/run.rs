@@ -70,6 +70,7 @@ pub struct Refiner<'a> {
     start: Option<usize>,
     joint_most: usize,
     one_thread: bool,
+    smooth: u32,
 }
 
 impl std::fmt::Debug for Refiner<'_> {
@@ -104,6 +105,7 @@ impl Default for Refiner<'_> {
             start: None,
             joint_most: usize::MAX,
             one_thread: false,
+            smooth: 0,
         }
     }
 }
@@ -131,6 +133,14 @@ impl<'a> Refiner<'a> {
     /// leaves them. By default 8. Nothing is done without a bound of shape.
     pub fn min_dihedral(mut self, degrees: f64) -> Self {
         self.min_dihedral = degrees;
+        self
+    }
+
+    /// Moves vertices inside in this number of sweeps, at most 16, when all bounds are met, each
+    /// where the smallest dihedral angle around rises, exactly, and no bound is broken. By default
+    /// none.
+    pub fn smooth(mut self, sweeps: u32) -> Self {
+        self.smooth = sweeps;
         self
     }
 

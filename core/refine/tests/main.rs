@@ -3,4 +3,5 @@
 mod given_points;
 mod regions;
 mod resume;
+mod smoothing;
 mod usual_edge;

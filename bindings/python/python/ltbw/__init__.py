@@ -92,12 +92,15 @@ def tetrahedralize(
     max_volume=None,
     radius_edge=2.0,
     min_dihedral=8.0,
+    smooth=0,
     size=None,
     max_edge=None,
     near=(),
     size_at=None,
     curvature=None,
     growth=1.3,
+    background=None,
+    points=None,
     regions=(),
     holes=None,
     max_points=None,
@@ -107,6 +110,7 @@ def tetrahedralize(
     flat_tolerance=None,
     feature_angle=None,
     exact_input=False,
+    strict=False,
     frame="auto",
     progress=None,
     threads=1,
@@ -129,6 +133,9 @@ def tetrahedralize(
     min_dihedral : float
         Tetrahedra with a dihedral angle of less than so many degrees are split where a point serves,
         at most 12; 0: none is. Nothing is done without ``radius_edge``.
+    smooth : int
+        Sweeps, at most 16, in which vertices inside are moved when all bounds are met, each where
+        the smallest dihedral angle around rises; the mesh stays Delaunay, and within its bounds.
     size : float, array or callable, optional
         Usual edge length: one for all, one for each vertex of the surface, or ``size(p)`` for a
         place ``p = (x, y, z)``. The mean edge is within 10 % of it where the surface is no finer. A
@@ -144,6 +151,13 @@ def tetrahedralize(
         Edges in a full turn of a curved surface: 2πr / ``curvature`` at a radius of r.
     growth : float
         The factor by which edges grow from one to the next, away from where these are shorter.
+    background : Mesh, tuple, meshio.Mesh, optional
+        The mesh that ``size`` has a number for each point of, instead of the surface: that of a
+        solution, say. ``(points, tetrahedra)``, or what has ``points`` and ``simplices``.
+    points : array_like of shape (p, 3), path, or anything with ``points``, optional
+        Points that are vertices of the mesh, too. Within three steps of the lattice of the boundary
+        they are put on it; those outside are left out: :attr:`Mesh.notes` tell. Those that are left
+        follow the surface's vertices in :attr:`Mesh.points`, but for duplicates.
     regions : sequence of (point, attribute) or (point, attribute, max_volume)
         A point in each region with properties of its own.
     holes : "none", "auto", or array_like of shape (h, 3), optional
@@ -173,6 +187,9 @@ def tetrahedralize(
         The mesh does not depend on it.
     exact_input : bool
         Refuse a domain that is not exactly on its lattice.
+    strict : bool
+        Refuse input that would be repaired, of which something would be left out or guessed, points
+        outside among them: :class:`DomainError`.
     frame : {"auto", "own", "local"}
         The coordinates of the mesh: the surface's own, or those from the middle of the domain, which
         are finer where it lies far from the origin. ``"auto"``: local ones where the distance takes
@@ -214,7 +231,6 @@ def tetrahedralize(
     wishes = _input.wishes(
         **_input.bounds(max_volume, radius_edge, flat_tolerance),
         min_dihedral=_input.number(min_dihedral, "min_dihedral", "min_dihedral.type"),
-        size=_input.size(size),
         max_edge=None if max_edge is None else _input.number(max_edge, "max_edge", "max_edge.type"),
         near=_input.near(near),
         size_at=_input.size_at(size_at or {}),
@@ -222,6 +238,8 @@ def tetrahedralize(
         if curvature is None
         else _input.number(curvature, "curvature", "curvature.type"),
         growth=_input.number(growth, "growth", "growth.type"),
+        smooth=_input.whole(smooth, "smooth", "smooth.count", 0, 16),
+        size=_input.size(size) if background is None else _input.size_on(background, size),
         max_points=None
         if max_points is None
         else _input.whole(max_points, "max_points", "max_points.count", 0, 2**63),
@@ -234,13 +252,15 @@ def tetrahedralize(
         if feature_angle is None
         else _input.number(feature_angle, "feature_angle", "feature_angle.type"),
         exact_input=_input.truth(exact_input, "exact_input"),
+        strict=_input.truth(strict, "strict"),
         own_frame=_input.frame(frame),
         check=_input.truth(check, "check"),
         excused_share=_input.number(excused_share, "excused_share", "excused_share.type"),
         threads=_threads(threads),
     )
     source, progress = _input.surface(surface), _input.function(progress, "progress")
-    kernel, certificate, notes = _native.tetrahedralize(source, wishes, progress)
+    more = None if points is None else _input.places(points)
+    kernel, certificate, notes = _native.tetrahedralize(source, wishes, more, progress)
     mesh = Mesh(kernel, certificate, notes, getattr(surface, "field_data", None))
     if frame == "auto" and mesh.offset.any():
         _markers.warn(

@@ -243,6 +243,7 @@ def wishes(**given):
         "max_volume": None,
         "radius_edge": None,
         "min_dihedral": None,
+        "smooth": 0,
         "size": None,
         "max_edge": None,
         "near": [],
@@ -258,6 +259,7 @@ def wishes(**given):
         "flat_tolerance": None,
         "feature_angle": None,
         "exact_input": False,
+        "strict": False,
         "own_frame": None,
         "check": True,
         "excused_share": None,
@@ -304,3 +306,24 @@ def size_at(given):
     except (TypeError, ValueError):
         text = f"size_at: a dict of lengths by part (a name or a marker), not {given!r}"
         raise InputError(text, "size_at.layout") from None
+
+
+def size_on(mesh, given):
+    """Edge lengths at the points of a tetrahedral mesh: its points, its tetrahedra, the lengths."""
+    sizes = size(given)
+    if not isinstance(sizes, list):
+        raise InputError("size: one for each point of the background mesh", "size.type")
+    if isinstance(mesh, tuple) and len(mesh) == 2:
+        points, tets = mesh
+    elif hasattr(mesh, "points") and hasattr(mesh, "simplices"):
+        points, tets = mesh.points, mesh.simplices
+    elif hasattr(mesh, "points") and hasattr(mesh, "cells_dict"):
+        points, tets = mesh.points, mesh.cells_dict.get("tetra", ())
+        tets = mesh.cells_dict.get(10, tets)
+    else:
+        text = f"background: a mesh, or (points, tetrahedra), not {type(mesh).__name__}"
+        raise InputError(text, "background.type")
+    tets = corners(tets, 4, "background")
+    if tets.size and not 0 <= int(tets.min()) <= int(tets.max()) < 2**32:
+        raise InputError("background: it names a point that is not there", "background.index")
+    return coordinates(points, "background").tolist(), tets.tolist(), sizes

@@ -33,7 +33,7 @@ def delaunay(
     given: NDArray[np.float64], without: list[int], threads: int, progress: Progress
 ) -> tuple[Kernel, list[str]]: ...
 def tetrahedralize(
-    source: Any, wishes: dict[str, Any], progress: Progress
+    source: Any, wishes: dict[str, Any], points: NDArray[np.float64] | None, progress: Progress
 ) -> tuple[Kernel, str | None, list[str]]: ...
 def check(
     coordinates: NDArray[np.float64],

@@ -37,6 +37,11 @@ impl DihedralBound {
         Self { cos2: 1.0 - sin2, thick: 0.564_75 * sin2 }
     }
 
+    /// The bound of an angle that is told by the square of its cosine.
+    pub(crate) fn of_cos2(cos2: f64) -> Self {
+        Self { cos2, thick: 0.564_75 * (1.0 - cos2) }
+    }
+
     /// The weaker of this bound and [`TINY`].
     pub(crate) fn or_tiny(self) -> Self {
         if self.cos2 < TINY.cos2 { TINY } else { self }

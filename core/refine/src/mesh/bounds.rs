@@ -24,6 +24,18 @@ pub(crate) fn check_tolerance(value: f64, domain: &Domain) -> Result<(), RefineE
     Err(RefineError::Bound { name: "flat-tolerance", value, limit })
 }
 
+/// The most sweeps of smoothing.
+pub const MOST_SWEEPS: u32 = 16;
+
+/// A number of sweeps that smoothing may have.
+pub(crate) fn check_sweeps(sweeps: u32) -> Result<(), RefineError> {
+    if sweeps <= MOST_SWEEPS {
+        return Ok(());
+    }
+    let limit = format!("it has to be {MOST_SWEEPS} at most");
+    Err(RefineError::Bound { name: "smooth", value: f64::from(sweeps), limit })
+}
+
 /// The largest bound on dihedral angles, in degrees.
 const MOST_DIHEDRAL: f64 = 12.0;
 

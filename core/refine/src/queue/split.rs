@@ -55,6 +55,8 @@ pub(crate) struct Ends {
     pub(crate) floor: f64,
     /// The most transactions of a joint step, if they are fewer than usual.
     pub(crate) joint_most: usize,
+    /// The sweeps in which vertices inside are moved in the end.
+    pub(crate) sweeps: u32,
 }
 
 /// The refinement: state, bounds, and what came of earlier proposals.
@@ -67,12 +69,15 @@ pub(crate) struct Refinement<'a> {
     /// The ends of proposals.
     pub(crate) floor: f64,
     pub(crate) joint_most: usize,
+    /// The sweeps in which vertices inside are moved in the end.
+    pub(crate) sweeps: u32,
 }
 
 impl<'a> Refinement<'a> {
     pub(crate) fn new(state: State, next_number: u32, ends: Ends) -> Self {
-        let (inserted, Ends { floor, joint_most }) = (Inserted::from(next_number), ends);
-        Self { state, bounds: None, record: Record::default(), inserted, floor, joint_most }
+        let (inserted, Ends { floor, joint_most, .. }) = (Inserted::from(next_number), ends);
+        let record = Record::default();
+        Self { state, bounds: None, record, inserted, floor, joint_most, sweeps: ends.sweeps }
     }
 
     /// The ground of aims.

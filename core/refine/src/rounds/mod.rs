@@ -23,6 +23,7 @@ mod reserved;
 mod resume;
 mod settle;
 mod sliver;
+mod smooth;
 mod times;
 #[cfg(test)]
 mod twin;
@@ -314,6 +315,9 @@ impl<'r, 'a> Rounds<'r, 'a> {
                 Next::Circles => self.split_circles()?,
             }
             self.clock.begin();
+        }
+        if stop.is_none() && self.smooth(self.own.sweeps, look)? {
+            stop = Some(Reason::Cancelled);
         }
         self.check_complete()?;
         let over = self.over();

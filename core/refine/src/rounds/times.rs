@@ -8,7 +8,7 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoundTimes {
     /// The items that it splits: `boundary`, `tetrahedra` or `slivers`; `all` are of the boundary
-    /// and inside.
+    /// and inside. A round of `smoothing` moves vertices.
     pub class: &'static str,
     /// Items are looked for from here on.
     pub begin: f64,

@@ -6,7 +6,7 @@ use crate::complex::carrier::UNIT;
 use crate::complex::patch::{DISSOLVED, Unfound};
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
-use crate::mesh::bounds::{Largest, check_limits, check_tolerance};
+use crate::mesh::bounds::{Largest, check_limits, check_sweeps, check_tolerance};
 use crate::mesh::item::Queues;
 use crate::mesh::region::RegionInfo;
 use crate::mesh::state::{Lengths, State};
@@ -26,6 +26,7 @@ impl<'a> Refiner<'a> {
         domain: &Domain,
         lattice: &Lattice,
     ) -> Result<(Run<'a>, Vec<RegionInfo>), RefineError> {
+        check_sweeps(self.smooth)?;
         let largest = Largest { volume: self.max_volume, edge: self.max_edge };
         check_limits(self.radius_edge, self.min_dihedral, largest, lattice)?;
         let tolerance = self.flat_tolerance.unwrap_or(0.0);
@@ -87,7 +88,7 @@ impl<'a> Refiner<'a> {
         let lengths = Lengths { near, fine_step: lattice.fine_step() };
         let mut state = State::new(mesh, plc, carriers, lengths, heed)?;
         state.expect_tets(expected);
-        let ends = Ends { floor, joint_most: self.joint_most };
+        let ends = Ends { floor, joint_most: self.joint_most, sweeps: self.smooth };
         let mut run = Run {
             refiner: *self,
             refinement: Refinement::new(state, next_number, ends),
