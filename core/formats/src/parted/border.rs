@@ -136,6 +136,9 @@ impl<'a> Bordering<'a> {
         if let Some(at) = mesh.tets.iter().position(is_foreign) {
             return Err(refused(at, "a tetrahedron names a point that is not there"));
         }
+        if length > NONE as usize / 4 {
+            return Err(refused(length, "more tetrahedra than a part can have"));
+        }
         let surface =
             surface_of(&mesh.tets).map_err(|at| refused(at, "a third tetrahedron at a face"))?;
         let named = |face: [u32; 3]| item(face.map(|v| given[v as usize]));
@@ -414,22 +417,28 @@ fn turned(words: Vec<Words>, of: usize) -> Vec<Words> {
 /// Faces of one tetrahedron alone, seen from outside in counterclockwise order; else the
 /// tetrahedron that is the third one at a face.
 fn surface_of(tets: &[[u32; 4]]) -> Result<Vec<[u32; 3]>, usize> {
-    let each = |(t, &[a, b, c, d]): (u32, &[u32; 4])| {
-        // Of a positive tetrahedron.
-        [[b, c, d], [a, d, c], [a, b, d], [a, c, b]].map(|face| (item(face), t, face))
+    let each = |(t, tet): (u32, &[u32; 4])| {
+        let faces = faces_of(tet);
+        [0, 1, 2, 3].map(|k| (item(faces[k as usize]), 4 * t + k))
     };
-    let mut all: Vec<(Item, u32, [u32; 3])> = (0..).zip(tets).flat_map(each).collect();
+    let mut all: Vec<(Item, u32)> = Vec::with_capacity(4 * tets.len());
+    all.extend((0..).zip(tets).flat_map(each));
     all.par_sort_unstable();
     let mut alone = Vec::new();
     for same in all.chunk_by(|a, b| a.0 == b.0) {
         match same {
-            [(.., face)] => alone.push(*face),
+            [(_, k)] => alone.push(faces_of(&tets[*k as usize / 4])[*k as usize % 4]),
             [_, _] => {}
-            [.., (_, tet, _)] => return Err(*tet as usize),
+            [.., (_, k)] => return Err(*k as usize / 4),
             [] => {}
         }
     }
     Ok(alone)
+}
+
+/// The faces of a positive tetrahedron, seen from outside in counterclockwise order.
+fn faces_of(&[a, b, c, d]: &[u32; 4]) -> [[u32; 3]; 4] {
+    [[b, c, d], [a, d, c], [a, b, d], [a, c, b]]
 }
 
 /// Three numbers, ascending.
