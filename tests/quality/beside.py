@@ -54,11 +54,11 @@ def not_delaunay(program, folder, points, tets):
     return json.loads(told).get("information_counts", {}).get("not_delaunay", 0)
 
 
-def ours(program, folder, domain, volume, degrees):
+def ours(program, folder, domain, volume, degrees, sweeps=0):
     report, mesh = folder / "beside.json", folder / "beside.vtu"
     subprocess.run(
         [program, "mesh", domain, "--max-volume", str(volume), "--min-dihedral", str(degrees),
-         "--threads", "1", "-o", mesh, "--json", report, "--quiet"],
+         "--smooth", str(sweeps), "--threads", "1", "-o", mesh, "--json", report, "--quiet"],
         check=True,
         stdout=subprocess.DEVNULL,
     )
@@ -164,6 +164,9 @@ def main():
             row = ours(program, folder, domain, volume, degrees)
             wanted = wanted or len(row[1])
             tell(f"ltbw, `--min-dihedral {degrees}`", program, folder, row)
+        for sweeps in (1, 2):
+            row = ours(program, folder, domain, volume, 8, sweeps)
+            tell(f"ltbw, `--smooth {sweeps}`", program, folder, row)
         tell("TetGen, not optimised", program, folder, by_tetgen(domain, volume, "O0/0/0"))
         tell("TetGen, as it comes", program, folder, by_tetgen(domain, volume, ""))
         tell("TetGen, optimised most", program, folder, by_tetgen(domain, volume, "o/140O9/7"))

@@ -38,7 +38,7 @@ fn smoothed_meshes_meet_their_bounds_and_have_larger_angles() {
             refined.expect("a mesh")
         };
         let meshes = [0, 1, 2].map(refine);
-        let counts = meshes.each_ref().map(|m| (m.mesh().num_vertices(), m.outcome.clone()));
+        let counts = meshes.each_ref().map(|m| (m.mesh().num_vertices(), m.outcome));
         assert!(counts.iter().all(|own| *own == counts[0]), "{kind:?}: {counts:?}");
         assert!(meshes[0].stats.moved == 0 && meshes[1].stats.moved > 0, "{kind:?}");
         assert!(meshes[2].stats.moved > meshes[1].stats.moved, "{kind:?}");
