@@ -29,6 +29,9 @@ fn points_that_are_no_points() {
     assert_eq!(reject("a.xyz", b"\x00\x01garbage\n"), "a.xyz: line 1: `??garbage` is not a number");
     assert!(reject("a.dat", b"0 0 0\n").starts_with("a.dat: unknown extension"));
     assert!(reject("points", b"0 0 0\n").starts_with("points: unknown extension"));
+    assert!(
+        reject("a.STEP", b"ISO-10303-21;\n").starts_with("a.STEP: CAD files are not read: mesh")
+    );
     assert_eq!(
         reject("a.vtu", b"<VTKFile/>"),
         "a.vtu: this format holds a mesh, but points are wanted"

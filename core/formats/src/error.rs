@@ -19,6 +19,17 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
     },
+    /// The file is of a CAD system: exact surfaces, which are not read.
+    #[error(
+        "{}: CAD files are not read: mesh the surface first (`gmsh -2 {} -o part.stl`, say), and \
+         give that",
+        show(path),
+        show(path)
+    )]
+    Cad {
+        /// The file.
+        path: PathBuf,
+    },
     /// The format holds points where a mesh was wanted, or a mesh where points were.
     #[error("{}: this format holds {holds}, but {wanted} wanted", show(path))]
     WrongKind {
@@ -96,6 +107,7 @@ impl IoError {
     pub fn code(&self) -> &'static str {
         match self {
             IoError::UnknownFormat { .. } => "io.unknown-format",
+            IoError::Cad { .. } => "io.cad",
             IoError::WrongKind { .. } => "io.wrong-kind",
             IoError::ReadOnly { .. } => "io.read-only",
             IoError::SeveralFiles { .. } => "io.several-files",

@@ -45,6 +45,9 @@ pub enum Format {
     Vtk,
 }
 
+/// Extensions of files of CAD systems.
+const CAD: [&str; 6] = ["step", "stp", "iges", "igs", "brep", "sldprt"];
+
 impl Format {
     /// Every format.
     pub const ALL: [Format; 18] = [
@@ -71,10 +74,13 @@ impl Format {
     /// The format that the extension of `path` names; upper and lower case are the same.
     pub fn from_path(path: &Path) -> Result<Self, IoError> {
         let extension = path.extension().unwrap_or_default();
-        Self::ALL
-            .into_iter()
-            .find(|f| extension.eq_ignore_ascii_case(f.extension()))
-            .ok_or_else(|| IoError::UnknownFormat { path: path.to_owned() })
+        Self::ALL.into_iter().find(|f| extension.eq_ignore_ascii_case(f.extension())).ok_or_else(
+            || {
+                let is_cad = CAD.into_iter().any(|cad| extension.eq_ignore_ascii_case(cad));
+                let path = path.to_owned();
+                if is_cad { IoError::Cad { path } } else { IoError::UnknownFormat { path } }
+            },
+        )
     }
 
     /// Its extension, without the dot.
