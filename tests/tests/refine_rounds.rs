@@ -7,6 +7,7 @@
 
 use ltbw::Random;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
+use ltbw::quality::{Quality, SMALL_ANGLES};
 use ltbw::refine::{InsertOrder, RefineOutcome, Refined, Refiner, usual_tolerance};
 use ltbw_generate::surfaces::book;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
@@ -97,6 +98,42 @@ fn random_domains_have_one_mesh_for_all_orders() {
     println!("excused one by one: {excused_singly}");
     assert!(points > 10 * count as u64);
     assert!(excused <= excused_singly, "{excused} {excused_singly}");
+}
+
+/// 20 random domains by default, `LTBW_CASES` for more (100 for the full bar). Beside small angles
+/// of the domain, and where a bound is excused, tetrahedra may stay flat.
+#[test]
+fn random_domains_have_few_small_angles() {
+    let count = cases(20);
+    let (mut plain, mut tets, mut below, mut left) = (0, 0, 0, 0);
+    for seed in 0..count as u64 {
+        let (name, domain) = random_domain(seed);
+        let (name, ready) = (format!("{name} {seed}"), prepared(&domain));
+        let volume = small_volume(&ready.domain);
+        let refiner = Refiner::new();
+        let refiner = if seed % 2 == 0 { refiner.max_volume(volume) } else { refiner };
+        let refine = |refiner: Refiner<'_>| {
+            refiner.refine(&ready.domain, &ready.lattice).unwrap_or_else(|e| panic!("{name}: {e}"))
+        };
+        let refined = refine(refiner);
+        plain += refine(refiner.min_dihedral(0.0)).num_tets();
+        tets += refined.num_tets();
+        let mesh = refined.inside();
+        let quality = Quality::of(&mesh.points, &mesh.tets).expect("tetrahedra");
+        let own = refined.slivers.iter().filter(|sliver| sliver.angle < SMALL_ANGLES[1]);
+        assert_eq!(own.clone().count() as u64, quality.small[1], "{name}: all are told");
+        let is_excused = |tet| refined.excuses.iter().any(|excuse| excuse.tet == tet);
+        let nameless = own.filter(|sliver| sliver.near.is_none() && !is_excused(sliver.tet));
+        below += quality.small[1];
+        left += nameless.count();
+    }
+    let more = tets as f64 / plain as f64;
+    println!(
+        "{count} domains, {tets} tetrahedra, {more:.3} times those without; below 5 degrees: \
+         {below}, {left} of them without a small angle of the domain beside"
+    );
+    assert!(left * 2000 <= tets, "{left} of {tets}");
+    assert!(more <= 1.12, "{more}");
 }
 
 #[test]
