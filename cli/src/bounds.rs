@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn bounds_come_from_options_or_from_tetgens_switches() {
         let both =
-            |q, a| Asked { radius_edge: q, min_dihedral: 8.0, max_volume: a, max_edge: None };
+            |q, a| Asked { radius_edge: q, min_dihedral: 8.0, max_volume: a, ..Asked::default() };
         assert_eq!(asked_by(&[]).expect("bounds"), both(Some(2.0), None));
         let cases = [
             ("pq1.4a0.1", both(Some(1.4), Some(0.1))),
