@@ -281,9 +281,7 @@ pub(crate) struct MeshArgs {
     /// Where to write: .vtu .vtk .msh .mesh .ele (.node); repeatable
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
-    /// Largest circumradius to shortest edge, from 1 on [default: 2]
-    ///
-    /// It is sure to end from 2 on.
+    /// Largest circumradius to shortest edge; ends from 2 [default: 2]
     #[arg(long, value_name = "B", allow_negative_numbers = true)]
     pub(crate) radius_edge: Option<f64>,
     /// Splits dihedral angles below D degrees; up to 12

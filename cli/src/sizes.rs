@@ -37,7 +37,7 @@ pub(crate) struct Sizing {
     /// From there edges grow by up to G each [default: 1.3]
     #[arg(long, value_name = "G", allow_negative_numbers = true, hide_short_help = true)]
     pub(crate) growth: Option<f64>,
-    /// Edge lengths at the domain's vertices: .mtr; or .vtu:NAME, at those of the mesh in it
+    /// Edge lengths at vertices: .mtr; .vtu:NAME at those of its mesh
     ///
     /// They are linear in between. TetGen's .mtr: `COUNT 1`, then a length for each vertex.
     #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().map(SizesFile::of))]

@@ -34,9 +34,7 @@ pub(crate) struct Preparation {
     /// are not united. At most 2^-10 of the domain's diagonal.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) repair: Option<f64>,
-    /// Close holes of up to N edges by triangles
-    ///
-    /// The least area in sum. What is closed is told; whether it crosses the surface is checked.
+    /// Close holes of up to N edges by triangles, which is told
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=i64::from(LONGEST_LOOP)))]
     #[arg(hide_short_help = true)]
     pub(crate) fill: Option<u32>,
@@ -75,7 +73,7 @@ pub(crate) struct Preparation {
     /// Refuse input to be repaired, left out, guessed; excuse nothing
     #[arg(long)]
     pub(crate) strict: bool,
-    /// Write defective facets: .ply .poly (kind: marker) .off .obj .stl
+    /// Write defective facets: .ply .poly (with kinds) .off .obj .stl
     #[arg(long, value_name = "FILE")]
     #[arg(hide_short_help = true)]
     pub(crate) write_defects: Option<PathBuf>,

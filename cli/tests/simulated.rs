@@ -42,7 +42,6 @@ fn a_run_that_does_nothing_is_refused_with_what_to_change() {
     for (args, word) in [
         (&["--points", "8", "--processors", "2", "--sample", "8"][..], "more --points"),
         (&[&large[..], &["--mode", "async"]].concat(), "a smaller --max-volume or --start"),
-        (&large, "a smaller --max-volume or --start"),
         (&["--domain", "cube-in-cube", "--max-volume", "0.1"], "a smaller --max-volume or --start"),
     ] {
         let refused = run(dir, &[&["simulate"], args].concat(), 2);
