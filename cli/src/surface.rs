@@ -4,6 +4,7 @@
 use crate::binding::{Role, read_beside};
 use crate::console;
 use crate::json::keep_input;
+use crate::numbers::whole;
 use crate::outcome::{Failure, show};
 use crate::streams::Source;
 use ltbw::domain::{
@@ -35,7 +36,7 @@ pub(crate) struct Preparation {
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) repair: Option<f64>,
     /// Close holes of up to N edges by triangles, which is told
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=i64::from(LONGEST_LOOP)))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(3..=u64::from(LONGEST_LOOP)))]
     #[arg(hide_short_help = true)]
     pub(crate) fill: Option<u32>,
     /// Take neighbouring facets that are so nearly coplanar for one

@@ -28,8 +28,8 @@ fn a_refusal_names_the_fill_that_helps_and_that_helps() {
     assert!(run.stderr.contains(note), "{}", run.stderr);
     let report = std::fs::read_to_string(dir.path().join("r.json")).unwrap();
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
-    assert_eq!(report["repairs"]["filled_holes"], 2);
-    assert_eq!(report["repairs"]["filling_facets"], 2);
+    assert_eq!(report["refinement"]["repairs"]["filled_holes"], 2);
+    assert_eq!(report["refinement"]["repairs"]["filling_facets"], 2);
     let same = ["check", "m.vtu", "--plc", "open.stl", "--fill", "3"];
     assert_eq!(ltbw(dir.path(), &same).code, 0);
     let strict = ltbw(dir.path(), &["mesh", "open.stl", "--fill", "3", "--strict"]);

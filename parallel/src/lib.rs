@@ -36,7 +36,7 @@
 //!
 //! | feature | what it brings |
 //! |---|---|
-//! | `io`, on by default | [`io`], and `domains`; without the two `cargo tree` has 30 crates, with them 66 |
+//! | `io`, on by default | [`io`], and `domains`: 66 crates in `cargo tree`, 30 without |
 //! | `domains` | [`domain`], [`quality`], [`refine`] |
 //! | `ndarray` | [`PointSet`] of an (n, 3) view, arrays of meshes and of [`quality`] |
 //! | `nalgebra` | [`PointSet`] from a slice of `Point3<f64>`, a matrix of [`quality`] |

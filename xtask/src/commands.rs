@@ -7,13 +7,13 @@ use crate::{parts, pictures, prove, python, rounds, slips, stacks, terminal, tsa
 /// A command. Times are of two quiet cores with the workspace built for tests, but nothing else.
 pub(crate) struct Command {
     pub(crate) name: &'static str,
-    /// What may follow the name; nothing else does where this is empty.
+    /// The arguments that may follow the name; none does where this is empty.
     pub(crate) takes: &'static str,
     pub(crate) what: &'static str,
     pub(crate) time: &'static str,
     /// The tools beside cargo; a missing one is said aloud.
     pub(crate) tools: &'static str,
-    /// What is printed or written.
+    /// The text or files that come of it.
     pub(crate) output: &'static str,
     run: fn(&[String]) -> Result<(), String>,
 }
@@ -140,7 +140,7 @@ corpora.",
         name: "c",
         takes: "",
         what: "\
-Lints, builds and tests the C interface: header, examples under valgrind, by pkg-config and by CMake.",
+Lints, builds and tests the C interface: header, examples under valgrind, by pkg-config and CMake.",
         time: "5 minutes",
         tools: "cc, c++, valgrind, pkg-config, cmake",
         output: "what the tools print; target/c/dist",
@@ -300,8 +300,8 @@ pub(crate) fn list() -> String {
             list += &format!("      {line}\n");
         }
     }
-    list + "\nTimes are of two quiet cores. A missing tool is said aloud; with LTBW_REQUIRE=all (or the \
-            tool's name) it is a failure."
+    list + "\nTimes are of two quiet cores. A missing tool is said aloud; with LTBW_REQUIRE=all \
+            (or the tool's name) it is a failure."
 }
 
 #[cfg(test)]

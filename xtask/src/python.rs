@@ -24,7 +24,7 @@ const TEST: &str = "import maturin, numpy, pytest, meshio, pyvista, scipy, skfem
 /// The tag of wheels for Linux: they run where the C library is as old as that, from 2018.
 const MANYLINUX: &str = "manylinux_2_28";
 
-/// What a user does first, in a Python without anything but the wheel.
+/// The first lines of a user, in a Python without anything but the wheel.
 const FIRST: &str = "\
 import ltbw
 cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]

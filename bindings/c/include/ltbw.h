@@ -271,7 +271,7 @@ typedef struct ltbw_wishes {
    */
   double simplify;
   /*
-   Close holes of the surface of up to so many edges by triangles, at most 256; below 3: none.
+   The most edges of a hole of the surface that triangles close, at most 256; below 3: none is.
    */
   uint32_t fill;
   /*

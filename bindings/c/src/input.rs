@@ -111,7 +111,7 @@ pub struct Wishes {
     /// Collapse triangles of the surface within this distance before meshing, at most 5 % of the
     /// diagonal; 0: none. A note bounds how far the surfaces are apart.
     pub simplify: f64,
-    /// Close holes of the surface of up to so many edges by triangles, at most 256; below 3: none.
+    /// The most edges of a hole of the surface that triangles close, at most 256; below 3: none is.
     pub fill: u32,
     /// The longest edge, exactly; 0: no bound.
     pub max_edge: f64,

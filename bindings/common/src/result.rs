@@ -238,8 +238,8 @@ impl Meshed {
     }
 }
 
-/// Writes a mesh with names of its groups; that of a domain, which has faces, with the quality of its
-/// tetrahedra. The extension tells the format. Cancelled, it leaves the file as it was.
+/// Writes a mesh with names of its groups; that of a domain, which has faces, with the quality of
+/// its tetrahedra. The extension tells the format. Cancelled, it leaves the file as it was.
 ///
 /// # Errors
 /// Formats that hold no mesh; files that cannot be written; work cancelled.

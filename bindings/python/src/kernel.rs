@@ -104,7 +104,7 @@ impl Kernel {
         line(py, self.0.attributes())
     }
 
-    /// Boundary triangles of a domain, the markers of their facets, the tetrahedra they are faces of.
+    /// Boundary triangles of a domain, the markers of their facets, their tetrahedra.
     #[expect(clippy::type_complexity, reason = "three arrays")]
     fn boundary<'py>(
         &self,

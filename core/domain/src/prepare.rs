@@ -58,8 +58,8 @@ pub struct PrepareOptions {
     /// The distance within which the surface is simplified, at most 5 % of the diagonal; 0: it is
     /// left as it is. See [`crate::simplify`].
     pub simplify: f64,
-    /// The most edges of a hole that is closed by triangles, at most [`crate::LONGEST_LOOP`]; below 3:
-    /// none is.
+    /// The most edges of a hole that is closed by triangles, at most [`crate::LONGEST_LOOP`];
+    /// below 3: none is.
     pub fill: u32,
 }
 

@@ -5,8 +5,8 @@
 //! both; facets without area are dropped, and their vertices put into the edges on which they lie;
 //! facets that are there twice are kept once, and between two bodies become an inner facet. With a
 //! tolerance, vertices within it become one, and vertices of open edges are put into the open edges
-//! that they are near (the seam of a T-junction closes). Holes are filled where that is asked for, up to a
-//! number of edges (`repair/fill.rs`). No body is united.
+//! that they are near (the seam of a T-junction closes). Holes are filled where that is asked for,
+//! up to a number of edges (`repair/fill.rs`). No body is united.
 //!
 //! Cost: about n log n; at most `NEIGHBOURS` near vertices of a vertex are looked at, and seams
 //! are closed in at most `ROUNDS` rounds.

@@ -33,10 +33,10 @@ mod inspect;
 mod name;
 mod piece;
 mod point_queue;
-mod probe;
+pub(crate) mod probe;
 #[cfg(feature = "wire")]
 pub mod share;
-mod start;
+pub(crate) mod start;
 mod vertices;
 mod wire;
 
@@ -45,10 +45,6 @@ pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
 pub(crate) use probe::Again;
-#[cfg(feature = "domains")]
-pub(crate) use probe::TETS_PER_VERTEX;
-#[cfg(feature = "domains")]
-pub(crate) use start::Cut;
 pub(crate) use start::Wanted;
 pub use start::{Layout, Ownership, Prepared, Ready, SharedInput};
 #[cfg(feature = "wire")]

@@ -48,7 +48,7 @@ mod operation;
 mod rules;
 mod state;
 mod submesh;
-mod table;
+pub(crate) mod table;
 mod termination;
 #[cfg(all(test, not(any(loom, shuttle))))]
 mod tests;
@@ -65,8 +65,6 @@ pub(crate) use state::{Phase, Request, Waiter, Want};
 pub use submesh::{
     Costs, Found, Insert, Item, Neighbour, Part, Source, Submesh, SubmeshError, Walk,
 };
-#[cfg(feature = "domains")]
-pub(crate) use table::Table;
 pub use termination::Token;
 pub use worker::{Action, Event, Note, Worker};
 

@@ -52,7 +52,8 @@ impl Border {
     }
 
     /// The loops of at most `longest` open edges each of whose corners is on no other, from the
-    /// least corner on, turned as the facets that would close them. An outline of one facet is none.
+    /// least corner on, turned as the facets that would close them. The outline of a facet that
+    /// stands alone is none.
     fn loops(&self, longest: usize) -> Vec<Vec<u32>> {
         let mut seen = BTreeSet::new();
         let mut loops = Vec::new();

@@ -1,6 +1,6 @@
 //! The carriers of a submesh's vertices.
 
-use crate::mesh::TETS_PER_VERTEX;
+use crate::mesh::probe::TETS_PER_VERTEX;
 use crate::refining::flags::Flags;
 use ltbw_core::expect;
 use ltbw_core::topology::VertexId;

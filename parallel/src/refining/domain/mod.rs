@@ -37,7 +37,8 @@ pub(super) use values::WallRegion;
 pub use values::{DomainCargo, DomainPatch, DomainPiece, DomainPoint};
 
 use super::RefineError;
-use crate::mesh::{Blocks, Cut, Layout, Prepared, SharedInput, VertexName, given};
+use crate::mesh::start::Cut;
+use crate::mesh::{Blocks, Layout, Prepared, SharedInput, VertexName, given};
 use crate::protocol::{BlockId, Config, Rules, Source, Worker, WorkerId};
 use ltbw_core::order::{Curve, bounding_box};
 use ltbw_exact::{Mode, Point, PointSet};

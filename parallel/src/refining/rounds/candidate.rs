@@ -1,7 +1,8 @@
 //! Probes and candidates as values.
 
 use super::reserved::LazyRank;
-use crate::protocol::{Name, Table, WorkerId};
+use crate::protocol::table::Table;
+use crate::protocol::{Name, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{Bits, Owned, ProbeId, Proposal, WireClosure};
 use ltbw_core::topology::{TetId, VertexId};
