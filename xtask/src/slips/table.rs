@@ -258,10 +258,14 @@ pub(super) const SLIPS: &[Slip] = &[
         20,
         "sizes and the background mesh may be overwritten by an output",
         &[
-            Edit { file: "cli/src/mesh.rs", right: "inputs.extend(args.sizes.clone())", wrong: "" },
             Edit {
                 file: "cli/src/mesh.rs",
-                right: "inputs.extend(args.background.iter().flat_map(io::mesh_files))",
+                right: "inputs.extend(args.sizing.sizes.iter().map(|sizes| sizes.file.clone()))",
+                wrong: "",
+            },
+            Edit {
+                file: "cli/src/mesh.rs",
+                right: "inputs.extend(args.sizing.background.iter().flat_map(io::mesh_files))",
                 wrong: "",
             },
         ],

@@ -241,7 +241,7 @@ mod tests {
         };
         assert_eq!(turned(&last.polygons[0]), turned(&lost.polygons[0]));
         assert_eq!(last.marker, 6);
-        let note = prepared.notes().into_iter().find(|note| note.contains("closed"));
+        let note = prepared.notes().into_iter().find(|note| note.contains("hole"));
         assert_eq!(note.as_deref(), Some("1 hole of 3 edges closed by 1 triangle"));
         let strict = PrepareOptions { strict: true, ..options(3) };
         assert!(domain.prepare(&strict).is_err());
