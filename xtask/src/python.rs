@@ -88,6 +88,10 @@ pub(crate) fn wheel(wheels: &Path) -> Result<PathBuf, String> {
     maturin.arg(wheels).arg("-i").arg(&python);
     if cfg!(target_os = "linux") {
         maturin.args(["--zig", "--compatibility", MANYLINUX]);
+        // It asks a Python of the path for Zig.
+        let path = std::env::var("PATH").unwrap_or_default();
+        let own = python.parent().unwrap_or(&python).to_string_lossy();
+        maturin.env("PATH", format!("{own}:{path}"));
     }
     shell::run(&mut maturin)?;
     let wheel = wheel_in(wheels)?;

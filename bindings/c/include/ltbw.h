@@ -9,6 +9,11 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+/* The version of this header. */
+#define LTBW_VERSION_MAJOR 0
+#define LTBW_VERSION_MINOR 1
+#define LTBW_VERSION_PATCH 0
+
 /*
  The end of a call.
  */

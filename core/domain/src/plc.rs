@@ -168,7 +168,8 @@ impl Domain {
         }
     }
 
-    /// Turns the facets of these numbers round, for example [`DomainReport::inward`].
+    /// Turns the facets of these numbers round, for example
+    /// [`inward`](crate::DomainReport::inward).
     pub fn turn_round(&mut self, facets: &[u32]) {
         for &f in facets {
             if let Some(facet) = self.facets.get_mut(f as usize) {

@@ -29,7 +29,7 @@ fn border_of<P: Post>(team: &mut Team<P>, piece: &Piece) -> Result<Border, TeamE
     let told = exchange(team, own.number(&answers).map_err(odd)?)?;
     drop(answers);
     let sent = exchange(team, own.reach(&told).map_err(odd)?)?;
-    Ok(own.finish(&sent).map_err(odd)?)
+    own.finish(&sent).map_err(odd)
 }
 
 /// Words of all members for this one.
