@@ -233,9 +233,8 @@ impl Run {
 
 /// The program that packs and unpacks committed corpora.
 fn corpus(task: &str, target: &str, folder: &Path) -> Command {
-    let mut command = cargo();
-    command.args(["run", "--quiet", "-p", "ltbw-tests", "--bin", "corpus", "--", task, target]);
-    command.arg(folder);
+    let mut command = shell::of_tests("corpus");
+    command.args([task, target]).arg(folder);
     command
 }
 

@@ -17,8 +17,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     if let Err(reason) = &traditional {
         eprintln!("note: no program for the traditional way: {reason}");
     }
-    let mut measure = cargo();
-    measure.args(["run", "--quiet", "-p", "ltbw-tests", "--bin", "measure_paper", "--"]);
+    let mut measure = shell::of_tests("measure_paper");
     measure.arg(program).arg(traditional.unwrap_or_else(|_| "-".into())).arg(&folder);
     shell::run(measure.args(&rest))?;
     if write.is_empty() {

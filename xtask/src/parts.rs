@@ -11,8 +11,7 @@ const TETGEN: &str = "tetgen==0.8.4";
 pub(crate) fn run(args: &[String]) -> Result<(), String> {
     shell::run(cargo().args(["build", "--quiet", "--release", "-p", "ltbw-cli"]))?;
     // The measuring program does no heavy work: it need not wait for a release build of its own.
-    let mut measure = cargo();
-    measure.args(["run", "--quiet", "-p", "ltbw-tests", "--bin", "measure_parts", "--"]);
+    let mut measure = shell::of_tests("measure_parts");
     measure.arg(target().join("release/ltbw")).arg(target().join("parts"));
     // Names of folders are meant from where the user is.
     let here = std::env::current_dir().map_err(|e| format!("the current folder: {e}"))?;

@@ -42,6 +42,17 @@ pub(crate) fn cargo() -> Command {
     command(&std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_string()))
 }
 
+/// A program of the tests package: that in the folder `LTBW_TEST_PROGRAMS`, where the tests of the
+/// workspace have left it, or one that is built for itself, which takes its crates once more.
+pub(crate) fn of_tests(name: &str) -> Command {
+    if let Some(folder) = std::env::var_os("LTBW_TEST_PROGRAMS") {
+        return command(&PathBuf::from(folder).join(name).to_string_lossy());
+    }
+    let mut command = cargo();
+    command.args(["run", "--quiet", "-p", "ltbw-tests", "--bin", name, "--"]);
+    command
+}
+
 /// The target folder of the bindings: their workspaces build the same crates, once.
 pub(crate) fn bindings() -> PathBuf {
     target().join("bindings")
