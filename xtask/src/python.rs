@@ -106,7 +106,7 @@ pub(crate) fn wheel(wheels: &Path) -> Result<PathBuf, String> {
 pub(crate) fn sources(folder: &Path) -> Result<(), String> {
     let python = shell::python("python-bindings", &PACKAGES, TEST)?;
     let mut maturin = in_package(&python.to_string_lossy());
-    shell::run(maturin.args(["-m", "maturin", "sdist", "--quiet", "--out"]).arg(folder))
+    shell::run(maturin.args(["-m", "maturin", "sdist", "--out"]).arg(folder))
 }
 
 /// Installs a wheel into a Python that has nothing else, and meshes, without Rust in reach.
