@@ -414,6 +414,28 @@ def boundary_to_python():
     agree("b.mesh by Gmsh: boundary", rows(*of_gmsh_entities("b.mesh")), wanted)
 
 
+def names_to_mfem():
+    """Names of parts and volumes are MFEM's attribute sets, by way of Gmsh's old format."""
+    try:
+        import mfem.ser as mfem
+    except ImportError as error:
+        print(f"SKIPPED: names by PyMFEM: {error}")
+        return
+    lines = ["OFF", "8 6 0", *(f"{v & 1} {v >> 1 & 1} {v >> 2}" for v in range(8))]
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    lines += [" ".join(map(str, (4, *side))) for side in sides]
+    (FOLDER / "cube.off").write_text("\n".join(lines) + "\n")
+    run("mesh", "cube.off", "-o", "cube.msh")
+    run("convert", "cube.msh", "named.msh", "--msh2")
+    mesh = mfem.Mesh(str(FOLDER / "named.msh"))
+    for sets, wanted in [
+        (mesh.bdr_attribute_sets, {f"part {k}": [k] for k in range(1, 7)}),
+        (mesh.attribute_sets, {"volume 1": [1]}),
+    ]:
+        found = {name: sets.GetAttributeSet(name).ToList() for name in sets.GetAttributeSetNames()}
+        agree("names by PyMFEM", [found == wanted or found], [True])
+
+
 def of_gmsh(name, known):
     """The triangles of a file with the markers of their groups, as Gmsh sees them."""
     triangles, markers = [], []
@@ -465,6 +487,7 @@ def main():
     ltbw_to_python(mesh)
     parts_to_python()
     boundary_to_python()
+    names_to_mfem()
     gmsh.finalize()
     for failure in failures:
         print(f"FAILED: {failure}")

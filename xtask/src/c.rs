@@ -1,5 +1,5 @@
-//! `c`: the C interface of `bindings/c`: lints, tests, header, both examples compiled and run under
-//! valgrind, one also by the pkg-config file, the conformance kit through the library. What users
+//! `c`: the C interface of `bindings/c`: lints, tests, header, tests and examples in C and C++ compiled and run
+//! under valgrind, one also by the pkg-config file and by CMake, the conformance kit through the library. What users
 //! install goes to `target/c/dist`.
 
 use crate::require;
@@ -21,6 +21,10 @@ const VALGRIND: [&str; 6] = [
     "--error-exitcode=9",
 ];
 
+/// A surface to mesh: the unit cube.
+const CUBE: &str = "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n\
+    4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n";
+
 /// Lints, builds, compiles, runs.
 pub(crate) fn run() -> Result<(), String> {
     let package = root().join("bindings/c");
@@ -37,26 +41,36 @@ pub(crate) fn run() -> Result<(), String> {
     }
     let (include, lib) = (dist.join("include"), dist.join("lib"));
     let include = format!("-I{}", include.display());
-    let points = own_target.join("points");
-    let mut cc = command("cc");
-    cc.args(FLAGS).args(["-std=c11", &include]).arg(package.join("examples/points.c"));
-    cc.arg(lib.join("libltbw.a")).args(["-lm", "-lpthread", "-ldl", "-o"]).arg(&points);
-    shell::run(&mut cc)?;
-    let domain = own_target.join("domain");
-    let mut cxx = command("c++");
-    cxx.args(FLAGS).args(["-std=c++17", &include]).arg(package.join("examples/domain.cpp"));
-    cxx.arg(format!("-L{}", lib.display())).arg("-lltbw");
-    cxx.arg(format!("-Wl,-rpath,{}", lib.display())).arg("-o").arg(&domain);
-    shell::run(&mut cxx)?;
+    let (static_library, shared) = (lib.join("libltbw.a"), format!("-L{}", lib.display()));
+    let rpath = format!("-Wl,-rpath,{}", lib.display());
+    let compiled = |source: &str| -> Result<PathBuf, String> {
+        let program = own_target.join(source.replace(['/', '.'], "-"));
+        // C is linked with the archive, C++ with the shared library.
+        let mut compiler = command(if source.ends_with(".c") { "cc" } else { "c++" });
+        compiler.args(FLAGS).arg(&include).arg(package.join(source));
+        match source.ends_with(".c") {
+            true => {
+                compiler.arg("-std=c11").arg(&static_library).args(["-lm", "-lpthread", "-ldl"])
+            }
+            false => compiler.args(["-std=c++17", &shared, "-lltbw", &rpath]),
+        };
+        shell::run(compiler.arg("-o").arg(&program))?;
+        Ok(program)
+    };
     let valgrind = |program: &Path| {
         let mut command = command("valgrind");
-        command.args(VALGRIND).arg(program);
+        command.current_dir(&own_target).args(VALGRIND).arg(program);
         command
     };
-    shell::run(&mut valgrind(&points))?;
+    let surface = own_target.join("cube.off");
+    fs::write(&surface, CUBE).map_err(|error| told(&surface, &error))?;
+    for source in ["tests/points.c", "tests/domain.cpp", "examples/points.c"] {
+        shell::run(valgrind(&compiled(source)?).arg(own_target.join("domain.vtu")))?;
+    }
+    let example = compiled("examples/domain.cpp")?;
+    shell::run(valgrind(&example).arg(surface).arg(own_target.join("part.vtu")))?;
     by_pkg_config(&package, &dist, &own_target)?;
     by_cmake(&package, &dist, &own_target)?;
-    shell::run(valgrind(&domain).arg(own_target.join("domain.vtu")))?;
     kit(&lib.join("libltbw.so"))
 }
 

@@ -6,7 +6,11 @@ use std::path::Path;
 
 /// The name of a picture, the command that writes its page, and the view of it.
 const PICTURES: [(&str, &[&str], &str); 2] = [
-    ("cut", &["demo"], "cut=z:0.45&yaw=-0.35&pitch=0.5"),
+    (
+        "gear",
+        &["mesh", "gear.poly", "--size", "0.06", "--page", "demo.html"],
+        "cut=x:0.5&yaw=-0.6&pitch=0.5",
+    ),
     (
         "workers",
         &["delaunay", "points.npy", "--threads", "8", "--page", "demo.html"],
@@ -25,7 +29,9 @@ pub(crate) fn run() -> Result<(), String> {
     let folder = target().join("pictures");
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let points = ["generate", "uniform", "15000", "-o", "points.npy"];
-    shell::run(command(&program).current_dir(&folder).args(points))?;
+    for input in [&points[..], &["generate", "gear", "-o", "gear.poly"]] {
+        shell::run(command(&program).current_dir(&folder).args(input))?;
+    }
     for (name, args, view) in PICTURES {
         shell::run(command(&program).current_dir(&folder).args(args))?;
         let picture = root().join(format!("docs/{name}.png"));

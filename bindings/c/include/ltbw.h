@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The version of this header. */
 #define LTBW_VERSION_MAJOR 0
@@ -95,6 +96,10 @@ typedef int32_t (*ltbw_progress)(void *context, uint64_t done, uint64_t total);
  */
 typedef struct ltbw_run {
   /*
+   Size of the struct, `sizeof` it: `ltbw_run_new` sets it.
+   */
+  uint32_t struct_size;
+  /*
    Threads; 0 means 1. The mesh is the same for any number.
    */
   uint32_t threads;
@@ -112,6 +117,10 @@ typedef struct ltbw_run {
  Points, and those of them that are removed again.
  */
 typedef struct ltbw_points {
+  /*
+   Size of the struct, `sizeof` it: `ltbw_points_new` sets it.
+   */
+  uint32_t struct_size;
   /*
    Coordinates: three for each point.
    */
@@ -134,6 +143,10 @@ typedef struct ltbw_points {
  A surface: polygons over vertices, turned outward.
  */
 typedef struct ltbw_surface {
+  /*
+   Size of the struct, `sizeof` it: `ltbw_surface_new` sets it.
+   */
+  uint32_t struct_size;
   /*
    Coordinates: three for each vertex.
    */
@@ -167,7 +180,7 @@ typedef struct ltbw_surface {
 typedef double (*ltbw_size)(void *context, const double *place);
 
 /*
- A region with properties of its own.
+ A region with properties of its own. It does not grow: what regions may have one day comes beside.
  */
 typedef struct ltbw_region {
   /*
@@ -185,9 +198,13 @@ typedef struct ltbw_region {
 } ltbw_region;
 
 /*
- The bounds that a mesh has to meet. All zero: any shape, any size.
+ The bounds that a mesh has to meet. All zero but its size: any shape, any size.
  */
 typedef struct ltbw_wishes {
+  /*
+   Size of the struct, `sizeof` it: `ltbw_wishes_new` sets it.
+   */
+  uint32_t struct_size;
   /*
    The largest volume; 0: no bound.
    */
@@ -432,11 +449,6 @@ const char *ltbw_last_error_code(void);
 const uint32_t *ltbw_last_error_ids(size_t *count);
 
 /*
- Panics inside, for the test that a panic becomes `LTBW_INTERNAL`.
- */
-enum ltbw_status ltbw_test_panic(void);
-
-/*
  The version of the library.
  */
 const char *ltbw_version(void);
@@ -602,3 +614,35 @@ int32_t ltbw_side_of_hull_facet(const double *a,
 #endif  // __cplusplus
 
 #endif  /* LTBW_H */
+
+/* One of zeros, which asks for nothing, and its size. */
+static inline ltbw_run ltbw_run_new(void) {
+  ltbw_run made;
+  memset(&made, 0, sizeof made);
+  made.struct_size = (uint32_t)sizeof made;
+  return made;
+}
+
+/* One of zeros, which asks for nothing, and its size. */
+static inline ltbw_points ltbw_points_new(void) {
+  ltbw_points made;
+  memset(&made, 0, sizeof made);
+  made.struct_size = (uint32_t)sizeof made;
+  return made;
+}
+
+/* One of zeros, which asks for nothing, and its size. */
+static inline ltbw_surface ltbw_surface_new(void) {
+  ltbw_surface made;
+  memset(&made, 0, sizeof made);
+  made.struct_size = (uint32_t)sizeof made;
+  return made;
+}
+
+/* One of zeros, which asks for nothing, and its size. */
+static inline ltbw_wishes ltbw_wishes_new(void) {
+  ltbw_wishes made;
+  memset(&made, 0, sizeof made);
+  made.struct_size = (uint32_t)sizeof made;
+  return made;
+}

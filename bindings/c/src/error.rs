@@ -1,8 +1,9 @@
 //! Status codes, and the reason of the last failure.
 
 use ltbw_bindings::{Class, Failure, unpanicked};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ffi::{CString, c_char};
+use std::sync::Once;
 
 /// The end of a call.
 #[repr(C)]
@@ -63,9 +64,33 @@ pub(crate) fn failed(failure: &Failure) -> Status {
     }
 }
 
+thread_local! {
+    /// Is this thread within a call?
+    static INSIDE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Nothing of a panic inside a call goes to the screen of the program: its status tells. Threads
+/// without a name are the library's own.
+fn quiet() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let before = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            let is_named = std::thread::current().name().is_some();
+            if is_named && !INSIDE.try_with(Cell::get).unwrap_or(true) {
+                before(panic);
+            }
+        }));
+    });
+}
+
 /// Carries out the work of a call: its failures and panics become a status.
 pub(crate) fn guarded(work: impl FnOnce() -> Result<(), Failure>) -> Status {
-    match unpanicked(work) {
+    quiet();
+    let before = INSIDE.replace(true);
+    let done = unpanicked(work);
+    INSIDE.set(before);
+    match done {
         Ok(()) => Status::LTBW_OK,
         Err(failure) => failed(&failure),
     }
@@ -104,15 +129,21 @@ pub unsafe extern "C" fn ltbw_last_error_ids(count: *mut usize) -> *const u32 {
     ids
 }
 
-/// Panics inside, for the test that a panic becomes `LTBW_INTERNAL`.
-#[unsafe(no_mangle)]
-pub extern "C" fn ltbw_test_panic() -> Status {
-    guarded(|| panic!("asked for"))
-}
-
 /// The version of the library.
 #[unsafe(no_mangle)]
 pub extern "C" fn ltbw_version() -> *const c_char {
     const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
     VERSION.as_ptr().cast()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_a_status_with_its_text() {
+        assert_eq!(guarded(|| panic!("asked for")), Status::LTBW_INTERNAL);
+        let message = LAST.with(|last| last.borrow().message.clone());
+        assert!(message.to_string_lossy().contains("asked for"), "{message:?}");
+    }
 }

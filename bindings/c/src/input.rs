@@ -2,6 +2,7 @@
 
 use crate::error::null;
 use crate::run::Run;
+use crate::sized::Growing;
 use kernel::Point;
 use ltbw_bindings::{Class, Failure, Frame, Holes, Reins, Source};
 use std::ffi::{CStr, c_char, c_void};
@@ -14,6 +15,8 @@ use std::time::Instant;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Points {
+    /// Size of the struct, `sizeof` it: `ltbw_points_new` sets it.
+    pub struct_size: u32,
     /// Coordinates: three for each point.
     pub coordinates: *const f64,
     /// Number of points.
@@ -28,6 +31,8 @@ pub struct Points {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
+    /// Size of the struct, `sizeof` it: `ltbw_surface_new` sets it.
+    pub struct_size: u32,
     /// Coordinates: three for each vertex.
     pub vertices: *const f64,
     /// Number of vertices.
@@ -42,7 +47,7 @@ pub struct Surface {
     pub markers: *const i32,
 }
 
-/// A region with properties of its own.
+/// A region with properties of its own. It does not grow: what regions may have one day comes beside.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Region {
@@ -58,10 +63,12 @@ pub struct Region {
 /// for the same place, and positive ones.
 pub type Size = Option<extern "C" fn(context: *mut c_void, place: *const f64) -> f64>;
 
-/// The bounds that a mesh has to meet. All zero: any shape, any size.
+/// The bounds that a mesh has to meet. All zero but its size: any shape, any size.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Wishes {
+    /// Size of the struct, `sizeof` it: `ltbw_wishes_new` sets it.
+    pub struct_size: u32,
     /// The largest volume; 0: no bound.
     pub max_volume: f64,
     /// The largest circumradius to shortest edge; 0: no bound. 2 is the usual one.
@@ -197,7 +204,7 @@ impl Surface {
     /// The pointer is null or points to a surface whose pointers are as its fields say.
     pub(crate) unsafe fn source(surface: *const Self) -> Result<Source, Failure> {
         // SAFETY: as the caller promises.
-        let given = unsafe { surface.as_ref() }.ok_or_else(|| null("surface"))?;
+        let given = unsafe { Self::given(surface) }?.ok_or_else(|| null("surface"))?;
         let faces = given.face_count;
         if faces > 0 && given.corners.is_null() {
             return Err(null("corners"));
@@ -253,7 +260,7 @@ impl Wishes {
     /// The pointer is null or points to wishes whose pointers are as its fields say.
     pub(crate) unsafe fn asked(wishes: *const Self) -> Result<Asked, Failure> {
         // SAFETY: as the caller promises.
-        let Some(given) = (unsafe { wishes.as_ref() }) else {
+        let Some(given) = unsafe { Self::given(wishes) }? else {
             let wishes = ltbw_bindings::Wishes::default();
             return Ok(Asked {
                 wishes,

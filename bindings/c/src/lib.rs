@@ -16,6 +16,7 @@ mod input;
 mod mesh;
 mod predicates;
 mod run;
+mod sized;
 
 pub use arrays::*;
 pub use error::*;

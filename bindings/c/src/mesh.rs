@@ -4,6 +4,7 @@ use crate::error::{Status, guarded, null};
 use crate::handle::{Arrays, Mesh};
 use crate::input::{Asked, Function, Points, Surface, Wishes, path, points, values};
 use crate::run::Run;
+use crate::sized::Growing;
 use ltbw_bindings::{Class, Failure, Meshed, Ready, Reins, Source};
 use std::ffi::c_char;
 use std::sync::{Mutex, PoisonError};
@@ -65,7 +66,7 @@ pub unsafe extern "C" fn ltbw_delaunay(
         // SAFETY: as the caller promises.
         let given = unsafe { points(coordinates, count, "points") }?;
         // SAFETY: as the caller promises.
-        let run = unsafe { Run::of(run) };
+        let run = unsafe { Run::of(run) }?;
         let threads = run.threads;
         let meshed = run.supervise(|reins| ltbw_bindings::delaunay(given, &[], threads, reins))?;
         // SAFETY: as the caller promises.
@@ -88,13 +89,13 @@ pub unsafe extern "C" fn ltbw_delaunay_without(
         // SAFETY: as the caller promises.
         unsafe { clear(out) }?;
         // SAFETY: as the caller promises.
-        let given = unsafe { given.as_ref() }.ok_or_else(|| null("points"))?;
+        let given = unsafe { Points::given(given) }?.ok_or_else(|| null("points"))?;
         // SAFETY: as the caller promises.
         let without = unsafe { values(given.without, given.without_count, "without") }?;
         // SAFETY: as the caller promises.
         let points = unsafe { points(given.coordinates, given.count, "points") }?;
         // SAFETY: as the caller promises.
-        let run = unsafe { Run::of(run) };
+        let run = unsafe { Run::of(run) }?;
         let threads = run.threads;
         let without = without.to_vec();
         let work = |reins: &Reins| ltbw_bindings::delaunay(points, &without, threads, reins);
@@ -121,7 +122,7 @@ pub unsafe extern "C" fn ltbw_tetrahedralize(
         // SAFETY: as the caller promises.
         let source = unsafe { Surface::source(surface) }?;
         // SAFETY: as the caller promises.
-        let (asked, run) = (unsafe { Wishes::asked(wishes) }?, unsafe { Run::of(run) });
+        let (asked, run) = (unsafe { Wishes::asked(wishes) }?, unsafe { Run::of(run) }?);
         // SAFETY: as the caller promises.
         unsafe { give(out, tetrahedralized(source, &asked, run)?) }
     })
@@ -145,7 +146,7 @@ pub unsafe extern "C" fn ltbw_tetrahedralize_file(
         // SAFETY: as the caller promises.
         let source = Source::File(unsafe { path(file) }?);
         // SAFETY: as the caller promises.
-        let (asked, run) = (unsafe { Wishes::asked(wishes) }?, unsafe { Run::of(run) });
+        let (asked, run) = (unsafe { Wishes::asked(wishes) }?, unsafe { Run::of(run) }?);
         // SAFETY: as the caller promises.
         unsafe { give(out, tetrahedralized(source, &asked, run)?) }
     })

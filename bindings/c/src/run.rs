@@ -1,5 +1,6 @@
 //! Threads, progress and cancelling.
 
+use crate::sized::Growing;
 use ltbw_bindings::{Class, Failure, PATIENCE, Reins, unpanicked};
 use std::ffi::c_void;
 
@@ -11,6 +12,8 @@ pub type Progress = Option<extern "C" fn(context: *mut c_void, done: u64, total:
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
+    /// Size of the struct, `sizeof` it: `ltbw_run_new` sets it.
+    pub struct_size: u32,
     /// Threads; 0 means 1. The mesh is the same for any number.
     pub threads: u32,
     /// The progress function, or NULL.
@@ -24,11 +27,12 @@ impl Run {
     ///
     /// # Safety
     /// The pointer is null or points to a run.
-    pub(crate) unsafe fn of(run: *const Self) -> Self {
-        let default = Self { threads: 1, progress: None, context: std::ptr::null_mut() };
+    pub(crate) unsafe fn of(run: *const Self) -> Result<Self, Failure> {
+        let default =
+            Self { struct_size: 0, threads: 1, progress: None, context: std::ptr::null_mut() };
         // SAFETY: as the caller promises.
-        let given = unsafe { run.as_ref() }.copied().unwrap_or(default);
-        Self { threads: given.threads.max(1), ..given }
+        let given = unsafe { Self::given(run) }?.unwrap_or(default);
+        Ok(Self { threads: given.threads.max(1), ..given })
     }
 
     /// Tells the progress; the answer may end the work.

@@ -14,6 +14,7 @@ fn code() -> String {
 
 /// Nothing is asked for.
 const NOTHING: Wishes = Wishes {
+    struct_size: size_of::<Wishes>() as u32,
     max_volume: 0.0,
     radius_edge: 0.0,
     edge_length: 0.0,
@@ -87,6 +88,7 @@ impl Nested {
 
     fn surface(&self) -> Surface {
         Surface {
+            struct_size: size_of::<Surface>() as u32,
             vertices: self.vertices.as_ptr().cast(),
             vertex_count: self.vertices.len(),
             corners: self.corners.as_ptr(),
@@ -94,6 +96,45 @@ impl Nested {
             face_count: self.counts.len(),
             markers: null(),
         }
+    }
+}
+
+#[test]
+fn structs_that_do_not_know_their_size_are_refused() {
+    let nested = Nested::new(true);
+    let whole = nested.surface();
+    let found = tetrahedralized(&whole, &NOTHING);
+    assert!(found.is_ok());
+    for struct_size in [0, 8, NOTHING.struct_size - 1, u32::MAX] {
+        let refused = tetrahedralized(&whole, &Wishes { struct_size, ..NOTHING });
+        assert_eq!(refused, Err("argument.struct_size".to_owned()), "{struct_size}");
+    }
+    for struct_size in [0, 8, whole.struct_size - 1, u32::MAX] {
+        let refused = tetrahedralized(&Surface { struct_size, ..whole }, &NOTHING);
+        assert_eq!(refused, Err("argument.struct_size".to_owned()), "{struct_size}");
+    }
+    // A program of a later version may ask for no more than this one knows.
+    #[repr(C)]
+    struct Later {
+        known: Wishes,
+        further: u64,
+    }
+    let known = Wishes { struct_size: size_of::<Later>() as u32, ..NOTHING };
+    for (further, expected) in [(0, found), (1, Err("argument.later".to_owned()))] {
+        let later = Later { known, further };
+        let (wishes, mut mesh, mut count) = (&raw const later, std::ptr::null_mut(), 0);
+        // SAFETY: the struct is as long as it says, and the mesh is freed once.
+        let asked = unsafe {
+            match ltbw_tetrahedralize(&raw const whole, wishes.cast(), null(), &raw mut mesh) {
+                Status::LTBW_OK => {
+                    ltbw_mesh_tets(mesh, &raw mut count);
+                    ltbw_mesh_free(mesh);
+                    Ok(count)
+                }
+                _ => Err(code()),
+            }
+        };
+        assert_eq!(asked, expected);
     }
 }
 
@@ -108,6 +149,7 @@ fn lengths_that_memory_has_no_places_for_are_refused() {
             unsafe { ltbw_delaunay(points.as_ptr().cast(), length, null(), &raw mut mesh) };
         assert_eq!((status, &*code()), (Status::LTBW_INPUT, "argument.length"), "{length}");
         let given = Points {
+            struct_size: size_of::<Points>() as u32,
             coordinates: points.as_ptr().cast(),
             count: 4,
             without: [0_u32].as_ptr(),

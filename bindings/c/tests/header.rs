@@ -2,6 +2,19 @@
 
 use std::path::Path;
 
+/// Structs that may grow, which know their size.
+const NEW: [&str; 4] = ["ltbw_run", "ltbw_points", "ltbw_surface", "ltbw_wishes"];
+
+/// A function of the header: an empty struct that knows its size.
+fn new(name: &str) -> String {
+    format!(
+        "/* One of zeros, which asks for nothing, and its size. */\n\
+         static inline {name} {name}_new(void) {{\n  {name} made;\n  \
+         memset(&made, 0, sizeof made);\n  made.struct_size = (uint32_t)sizeof made;\n  \
+         return made;\n}}"
+    )
+}
+
 #[test]
 fn the_header_is_that_of_the_source() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -16,6 +29,7 @@ fn the_header_is_that_of_the_source() {
         "\n/* The version of this header. */\n#define LTBW_VERSION_MAJOR {major}\n\
          #define LTBW_VERSION_MINOR {minor}\n#define LTBW_VERSION_PATCH {patch}"
     ));
+    config.trailer = Some(NEW.iter().map(|name| new(name)).collect::<Vec<_>>().join("\n\n"));
     let mut text = Vec::new();
     cbindgen::Builder::new()
         .with_crate(folder)

@@ -1,5 +1,7 @@
 """Meshes of domains: sources, bounds, sizes, and the same mesh as the program's."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -421,6 +423,16 @@ def test_sizes_are_usual_and_longest_edges(cube):
     assert 0.9 < edges(ltbw.tetrahedralize(cube, size=0.1)).mean() / 0.1 < 1.1
     by_function = ltbw.tetrahedralize(cube, size=lambda p: 0.1)
     assert by_function.hash == ltbw.tetrahedralize(cube, size=0.1).hash
+
+    def graded(x, y, z, least=0.1):
+        return least + 0.3 * x + 0.1 * (y - z) ** 2
+
+    by_place = ltbw.tetrahedralize(cube, size=lambda p: graded(*p))
+    for function in (graded, lambda x, y, z: graded(x, y, z), functools.partial(graded, least=0.1)):
+        assert ltbw.tetrahedralize(cube, size=function).hash == by_place.hash
+    assert ltbw.tetrahedralize(cube, size=lambda *p: 0.1).hash == by_function.hash
+    with pytest.raises(TypeError):
+        ltbw.tetrahedralize(cube, size=lambda x, y: 0.1)
     longest = ltbw.tetrahedralize(cube, max_edge=0.2)
     assert longest.certificate.passed and edges(longest).max() <= 0.2
 

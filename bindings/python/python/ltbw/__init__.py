@@ -138,9 +138,9 @@ def tetrahedralize(
         the smallest dihedral angle around rises; the mesh stays Delaunay, and within its bounds.
     size : float, array or callable, optional
         Usual edge length: one for all, one for each vertex of the surface, or ``size(p)`` for a
-        place ``p = (x, y, z)``. The mean edge is within 10 % of it where the surface is no finer. A
-        function is called from the calling thread only, has to give the
-        same answer for the same place, and may raise: its exception comes back as it is.
+        place ``p = (x, y, z)``, or ``size(x, y, z)``. The mean edge is within 10 % of it where the
+        surface is no finer. A function is called from the calling thread only, has to give the same
+        answer for the same place, and may raise: its exception comes back as it is.
     max_edge : float, optional
         No edge is longer, exactly.
     near : sequence of (place, length) or (place, length, radius)

@@ -100,7 +100,11 @@ def tetrahedralize(
     size_at: dict[Any, float] | None = ...,
     curvature: float | None = ...,
     growth: float = ...,
-    size: float | ArrayLike | Callable[[tuple[float, float, float]], float] | None = ...,
+    size: float
+    | ArrayLike
+    | Callable[[tuple[float, float, float]], float]
+    | Callable[[float, float, float], float]
+    | None = ...,
     background: Any = ...,
     points: Any = ...,
     regions: Iterable[Region] = ...,

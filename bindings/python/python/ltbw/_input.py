@@ -1,5 +1,6 @@
 """Points and surfaces, as users have them, made into arrays."""
 
+import inspect
 import math
 import operator
 import os
@@ -270,8 +271,10 @@ def wishes(**given):
 
 def size(given):
     """A wanted edge length: a number, one for each vertex, or a function of the place."""
-    if given is None or callable(given):
-        return given
+    if given is None:
+        return None
+    if callable(given):
+        return _of_coordinates(given)
     try:
         array = np.asarray(given)
     except ValueError:
@@ -281,6 +284,18 @@ def size(given):
     if array.ndim == 0:
         return float(array)
     return [float(s) for s in array]
+
+
+def _of_coordinates(function):
+    """A function of the place; one that takes three coordinates is told them one by one."""
+    kinds = inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD
+    try:
+        own = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        # Functions of other languages may have no signature: they are asked as they always were.
+        return function
+    needed = [p for p in own if p.kind in kinds and p.default is p.empty]
+    return (lambda p: function(*p)) if len(needed) == 3 else function
 
 
 def near(given):
