@@ -21,7 +21,7 @@ const MANY: usize = 2;
 /// The most needles there: with more, every cut leads to others.
 const MOST_NEEDLES: usize = 40;
 /// The most tetrahedra for each vertex of the domain; with more, needles are all there is.
-const DENSE: usize = 192;
+const DENSE: usize = 156;
 
 /// The times that refused tetrahedra were asked again.
 #[derive(Clone, Copy, Debug)]
