@@ -117,7 +117,7 @@ struct Tries {
     gone: Map<TetId, Gone>,
 }
 
-/// What counts of a tetrahedron that a point would take out of the mesh.
+/// The counts of a tetrahedron that a point would take out of the mesh.
 #[derive(Clone, Copy, Default)]
 struct Gone {
     is_over: bool,
@@ -331,9 +331,9 @@ fn towards(corners: &[Point; 4], centre: &Point, bound: f64) -> [Point; WAY.len(
 }
 
 impl State {
-    /// The numbers of the cavity of a place, if it has the target, and the point makes fewer of what
-    /// the target asks for, none of which is far worse. For the sake of bounds those over their
-    /// bounds count, and once more those with tiny angles of these before, of all afterwards.
+    /// The numbers of a place's cavity, if it has the target, and the point makes fewer of what the
+    /// target asks for, none of which is far worse. For the sake of bounds those over their bounds
+    /// count, and once more those with tiny angles of these before, of all afterwards.
     fn relieves(
         &self,
         target: &Target,
@@ -370,7 +370,7 @@ impl State {
         let is_better = |after: &Tally| after.is_better(&before, target.goal);
         let closure = InMesh::found(self, search);
         let (mut made, mut after) = (Vec::new(), Tally::default());
-        // What is told fast comes first: nearly all points are refused by that.
+        // Bounds come first, which are told fast: nearly all points are refused by these.
         for own in closure.likely_star(target.t, place) {
             let is_over = bounds.are_over(own.corners.each_ref(), own.region);
             after.over += usize::from(is_over);
@@ -392,8 +392,8 @@ impl State {
         (!made.iter().any(is_worse) && is_better(&after)).then_some(before)
     }
 
-    /// What counts of a tetrahedron that goes. For the sake of bounds that is nothing unless it is
-    /// over its own.
+    /// The counts of a tetrahedron that goes. For the sake of bounds one that keeps its own counts
+    /// nothing.
     fn gone(&self, t: TetId, goal: Goal, thin: DihedralBound, bounds: &Bounds<'_>) -> Gone {
         let v = self.vertices(t);
         if v[3] == INFINITE || self.marks.region(t) == 0 {
