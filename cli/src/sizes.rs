@@ -179,9 +179,7 @@ pub(crate) fn field(
     let Given { sizes, on } = asked.read(reads)?;
     let path = &asked.file;
     let failed = |error| match error {
-        BackgroundError::Count { .. } if own.is_some() => {
-            Failure::Usage(format!("--sizes {}: {error}", show(path)))
-        }
+        BackgroundError::Count { .. } => Failure::Usage(format!("--sizes {}: {error}", show(path))),
         error => Failure::Sizes { path: path.clone(), error },
     };
     let background = match (&sizing.background, own.or(on.as_ref())) {

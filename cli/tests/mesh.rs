@@ -169,7 +169,7 @@ fn sizes_are_constant_at_vertices_or_of_a_background_mesh() {
     let refused: [(&[&str], i32, &str); 5] = [
         (&["--size", "0"], 2, "positive"),
         (&["--background", "g.ele"], 2, "sizes"),
-        (&["--sizes", "g.mtr"], 3, "for 8 points"),
+        (&["--sizes", "g.mtr"], 2, "for 8 points"),
         (&["--sizes", "c.poly"], 3, "c.poly"),
         (&["--sizes", "bad.mtr"], 3, "size 7 is -1.0"),
     ];

@@ -1,15 +1,17 @@
-"""Dihedral angles of our meshes beside those of TetGen and Gmsh, for `cargo xtask bench quality`.
+"""Dihedral angles of our meshes beside those of TetGen, Gmsh and CGAL, for `cargo xtask bench quality`.
 
     beside.py LTBW FOLDER [KIND MAX_VOLUME]...
 
 LTBW is the program, FOLDER takes files. Each mesher meshes the domain of a kind as its users call it and
-with its optimisers; Gmsh, which takes a size and no volume, is given one that makes as many tetrahedra as
-ours within 5 %. A row: tetrahedra, seconds of the processor for the call alone (ours: the refinement, of
+with its optimisers; Gmsh and CGAL, which take a size and no volume, are given one that makes as many
+tetrahedra as ours within 5 %. CGAL's are those of a program of its own (`tests/cgal/mesh.cpp`), if it
+compiles. A row: tetrahedra, seconds of the processor for the call alone (ours: the refinement, of
 its report), the smallest dihedral angle, those that 1 in 1,000 and 1 in 100 of the tetrahedra are below, and
 the faces that are not Delaunay, which our checker counts for all.
 """
 
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -136,16 +138,44 @@ def by_gmsh(domain, size, options):
     return places.reshape(-1, 3), tets, seconds
 
 
-def sized(domain, options, wanted):
-    """Gmsh's mesh of as many tetrahedra as wanted, within 5 %."""
+def cgal(folder):
+    """CGAL's program, or why there is none."""
+    source, program = pathlib.Path("tests/cgal/mesh.cpp"), folder / "cgal-mesh"
+    flags = ["-std=c++17", "-O3", "-DNDEBUG", "-frounding-math", "-lgmp", "-lmpfr"]
+    try:
+        words = [os.environ.get("CXX", "c++"), source, "-o", program, *flags]
+        built = subprocess.run(words, stderr=subprocess.PIPE, text=True)
+    except OSError as error:
+        return None, str(error)
+    reason = built.stderr.splitlines()[0] if built.returncode else None
+    return (None if reason else program.resolve()), reason
+
+
+def by_cgal(program, folder, domain, size, way):
+    points, triangles, _ = read(domain)
+    surface, mesh = folder / "cgal.off", folder / "cgal.txt"
+    with open(surface, "w") as file:
+        file.write(f"OFF\n{len(points)} {len(triangles)} 0\n")
+        numpy.savetxt(file, points, fmt="%.17g")
+        numpy.savetxt(file, numpy.c_[numpy.full(len(triangles), 3), triangles], fmt="%d")
+    words = [program, surface, str(size), way, mesh]
+    told = subprocess.run(words, stdout=subprocess.PIPE, check=True, text=True).stdout
+    with open(mesh) as file:
+        vertices, tets = (int(word) for word in file.readline().split())
+        places = numpy.loadtxt(file, max_rows=vertices)
+        return places, numpy.loadtxt(file, max_rows=tets, dtype=int), float(told)
+
+
+def sized(make, wanted):
+    """A mesh of as many tetrahedra as wanted, within 5 %, and its size."""
     size = 0.05
     for _ in range(8):
-        made = by_gmsh(domain, size, options)
+        made = make(size)
         share = len(made[1]) / wanted
         if 0.95 <= share <= 1.05:
             break
         size *= share ** (1 / 3)
-    return made
+    return made, size
 
 
 def main():
@@ -178,7 +208,17 @@ def main():
             ("Gmsh, HXT", {"Mesh.Algorithm3D": 10}),
         ]
         for name, options in ways:
-            tell(name, program, folder, sized(domain, options, wanted))
+            made, _ = sized(lambda size: by_gmsh(domain, size, options), wanted)
+            tell(name, program, folder, made)
+        other, reason = cgal(folder)
+        if other is None:
+            print(f"SKIPPED (cgal): {reason}")
+            continue
+        made, size = sized(lambda size: by_cgal(other, folder, domain, size, "plain"), wanted)
+        tell("CGAL, not optimised", program, folder, made)
+        ways = [("perturbed", "perturb"), ("exuded", "exude"), ("as it comes: both", "both")]
+        for name, way in ways:
+            tell(f"CGAL, {name}", program, folder, by_cgal(other, folder, domain, size, way))
 
 
 def tell(name, program, folder, row):

@@ -34,8 +34,8 @@ instructions  instructions of a build and of `ltbw mesh` by callgrind; fails whe
 removal       removing uniform points beside putting them back, and beside CGAL's
 threads       one and two threads against the sequential kernel and CGAL on TBB, N points
 python        ltbw.delaunay of the Python package beside the program, N points
-quality       dihedral angles beside those of TetGen and Gmsh with their optimisers, and the faces
-              that are not Delaunay",
+quality       dihedral angles beside those of TetGen, Gmsh and CGAL with their optimisers, and the
+              faces that are not Delaunay",
         time: "5 to 30 minutes",
         tools: "CGAL and TBB; valgrind for instructions; pip for quality and refine",
         output: "a table",

@@ -54,7 +54,7 @@ fn threads(args: &[String]) -> Result<(), String> {
     shell::run(cargo().args(["run", "--quiet"]).args(program).arg("--").args(args))
 }
 
-/// Dihedral angles beside TetGen's and Gmsh's.
+/// Dihedral angles beside TetGen's, Gmsh's and CGAL's.
 fn quality(args: &[String]) -> Result<(), String> {
     let packages = ["numpy==2.4.6", "tetgen==0.8.4", "gmsh==4.15.2"];
     let test = "import numpy, tetgen, gmsh";

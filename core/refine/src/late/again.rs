@@ -22,6 +22,11 @@ const MANY: usize = 2;
 const MOST_NEEDLES: usize = 40;
 /// The most tetrahedra for each vertex of the domain; with more, needles are all there is.
 const DENSE: usize = 192;
+/// The most in a domain of [`LARGE`] vertices and more: there it takes a quarter more tetrahedra
+/// to excuse a tenth fewer.
+const DENSE_OF_LARGE: usize = 128;
+/// The least number of vertices of a large domain.
+const LARGE: usize = 1024;
 
 /// The times that refused tetrahedra were asked again.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +81,9 @@ impl Refinement<'_> {
             }
         }
         let state = &self.state;
-        if state.mesh.num_tets() > DENSE * state.plc.count() {
+        let vertices = state.plc.count();
+        let dense = if vertices < LARGE { DENSE } else { DENSE_OF_LARGE };
+        if state.mesh.num_tets() > dense * vertices {
             return Vec::new();
         }
         let Some(&part) = PARTS.get(asking.parts) else { return Vec::new() };

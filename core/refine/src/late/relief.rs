@@ -16,6 +16,10 @@
 //! with which there are fewer such, and no more over their bounds than before. Most are under a
 //! shallow fold between four vertices on one circle, with both its triangles for sides: any point
 //! in the ball and below the fold divides them, but lies in the balls of these triangles.
+//!
+//! Nearly all points are refused. So a cavity is looked for on the mesh as it is, and opened if the
+//! point makes fewer of what it is for; and of the tetrahedra that points of one target take out of
+//! the mesh each is judged once.
 
 use crate::complex::carrier::{Carrier, free_point};
 use crate::complex::dihedral::{DihedralBound, TINY};
@@ -24,6 +28,7 @@ use crate::mesh::bounds::Bounds;
 use crate::mesh::item::{Item, Queues};
 use crate::mesh::key::sorted;
 use crate::mesh::state::{Place, State};
+use crate::mesh::survey::Survey;
 use crate::queue::split::Refinement;
 use crate::rules::aim::TOLERANCE;
 use crate::rules::beside::{OnItem, in_unit_ball};
@@ -32,8 +37,9 @@ use crate::rules::record::Refusal;
 use crate::rules::star::{Made, star};
 use crate::rules::verdict::Judge;
 use crate::rules::walk::Way;
-use crate::table::Set;
-use ltbw_core::topology::{TetId, VertexId};
+use crate::table::{Map, Set};
+use ltbw_core::search::Search;
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
 
@@ -51,7 +57,7 @@ const WAY: [(f64, bool); 6] =
     [(1.0, false), (0.9, true), (0.5, true), (0.25, true), (0.5, false), (0.75, false)];
 /// A new tetrahedron may miss the bound of shape by this factor, or by that of the worst that goes.
 const WORST: f64 = 32.0;
-/// Tetrahedra of cavities opened for this: for each tetrahedron of the mesh, and in addition.
+/// Tetrahedra of cavities looked for: for each tetrahedron of the mesh, and in addition.
 const OPENED: usize = 24;
 const OPENED_MORE: usize = 1 << 19;
 
@@ -94,10 +100,30 @@ pub(crate) struct Relief {
     least: usize,
     /// Has this pass inserted a point?
     is_changed: bool,
-    /// Tetrahedra of cavities that may still be opened.
-    left: usize,
+    tries: Tries,
     /// Tetrahedra for which an earlier relief found no point.
     in_vain: Set<Item>,
+}
+
+/// The memory of points that are tried.
+#[derive(Default)]
+struct Tries {
+    /// Tetrahedra of cavities that may still be looked for.
+    left: usize,
+    /// The cavity of the last point.
+    search: Search,
+    survey: Survey<TetId>,
+    /// Tetrahedra that points of this target would take out of the mesh.
+    gone: Map<TetId, Gone>,
+}
+
+/// The counts of a tetrahedron that a point would take out of the mesh.
+#[derive(Clone, Copy, Default)]
+struct Gone {
+    is_over: bool,
+    is_thin: bool,
+    /// Its ratio over the bound, if it is over its bounds.
+    ratio: f64,
 }
 
 impl Relief {
@@ -108,7 +134,8 @@ impl Relief {
             Goal::Bounds => refinement.record.in_vain.clone(),
             Goal::Angles => Set::default(),
         };
-        Self { goal, pass: 0, tets, least: usize::MAX, is_changed: true, left, in_vain }
+        let tries = Tries { left, ..Tries::default() };
+        Self { goal, pass: 0, tets, least: usize::MAX, is_changed: true, tries, in_vain }
     }
 
     /// Looks for a point that relieves the next tetrahedron, and inserts it; is there one? `None`
@@ -117,8 +144,9 @@ impl Relief {
         if self.tets.len() == 0 {
             self.begin_pass(refinement);
         }
-        let (t, v) = self.tets.next().filter(|_| self.left > 0)?;
-        let is_relieved = refinement.relieve_tet(t, v, self.goal, self.pass, &mut self.left);
+        let (t, v) = self.tets.next().filter(|_| self.tries.left > 0)?;
+        let is_relieved = refinement.relieve_tet(t, v, self.goal, self.pass, &mut self.tries);
+        refinement.state.mesh.add_stats(std::mem::take(&mut self.tries.search.stats));
         self.is_changed |= is_relieved;
         if !is_relieved && self.goal == Goal::Bounds {
             refinement.record.in_vain.insert(Item::Tet(t, v));
@@ -163,7 +191,7 @@ impl Refinement<'_> {
         v: [VertexId; 4],
         goal: Goal,
         pass: u64,
-        left: &mut usize,
+        tries: &mut Tries,
     ) -> bool {
         // Another point may have taken it out of the mesh, and its slot may have another one.
         if !self.state.is_live(t, v) {
@@ -185,6 +213,7 @@ impl Refinement<'_> {
         let in_collar = || self.state.collar(v, bound.value()).is_some();
         let may_encroach = goal == Goal::Angles || !in_collar();
         let target = Target { t, goal, refusal, radius: shape.radius(), may_encroach };
+        tries.gone.clear();
         let tolerance = target.radius * TOLERANCE;
         let mut seed = pass;
         let way = towards(&corners, &centre, bound.value());
@@ -196,7 +225,7 @@ impl Refinement<'_> {
             let Some(p) = free_point(&aim, tolerance) else { continue };
             let Way::Arrived(from) = self.state.way(t, &p) else { continue };
             let place = Place { p, carrier: Carrier::Free, from };
-            if self.try_relief(&target, None, &place, left) {
+            if self.try_relief(&target, None, &place, tries) {
                 return true;
             }
         }
@@ -206,7 +235,7 @@ impl Refinement<'_> {
                 let place = self.state.plc.place_beside(&own, k, &mut seed, tolerance);
                 let Some(OnItem { point, carrier }) = place else { continue };
                 let place = Place { p: point, carrier, from: t };
-                if self.try_relief(&target, Some(item), &place, left) {
+                if self.try_relief(&target, Some(item), &place, tries) {
                     return true;
                 }
             }
@@ -220,21 +249,18 @@ impl Refinement<'_> {
         target: &Target,
         item: Option<Item>,
         place: &Place,
-        left: &mut usize,
+        tries: &mut Tries,
     ) -> bool {
-        let Some(bounds) = self.bounds.as_ref().filter(|_| *left > 0) else { return false };
-        // The point fell together with a vertex, or the mesh is full.
-        let Ok(mut open) = self.state.begin(place) else { return false };
-        let opened = open.owner().mesh.cavity().tets().count();
-        *left = left.saturating_sub(opened);
-        let Some(before) = open.owner().relieves(target, place, bounds) else { return false };
-        open.owner_mut().look(place);
-        let judge = Judge::on_open(open.owner(), &self.record);
+        let Some(bounds) = self.bounds.as_ref().filter(|_| tries.left > 0) else { return false };
+        let Some(before) = self.state.relieves(target, place, bounds, tries) else { return false };
+        let Tries { search, survey, .. } = tries;
+        let closure = InMesh::found(&self.state, search);
+        survey.look(&closure, &place.p, place.carrier);
+        let judge = Judge::new(closure, survey, &self.record);
         let may = |hit: &Item| target.may_encroach || self.record.refused.contains_key(hit);
         let Some(filling) = judge.filling_beside(item, place, may) else { return false };
         if target.goal == Goal::Angles {
             // Now it is known what dust the point makes, too.
-            let closure = InMesh::open(open.owner());
             let after = Tally::of(star(&closure, place, &filling.changes), bounds);
             if !after.is_better(&before, target.goal) {
                 return false;
@@ -243,13 +269,13 @@ impl Refinement<'_> {
         let mut refusal = target.refusal;
         if refusal.reason.is_vague() {
             // A reason that has a place, of what was over its bounds there before, says more.
-            let refused =
-                open.owner().mesh.cavity().tets().filter_map(|t| {
-                    self.record.refused.get(&Item::Tet(t, open.owner().vertices(t)))
-                });
+            let item = |&t: &TetId| Item::Tet(t, self.state.vertices(t));
+            let refused = search.tets().iter().filter_map(|t| self.record.refused.get(&item(t)));
             let named = refused.map(|r| r.reason).filter(|r| r.is_corner() || r.is_segment());
             refusal.reason = named.min().unwrap_or(refusal.reason);
         }
+        // The mesh may be full.
+        let Ok(open) = self.state.begin(place) else { return false };
         let mut work = Queues::default();
         self.inserted.fill(open, place, &filling, Some(bounds), &mut work);
         debug_assert!(self.state.is_complete(), "nothing may be lost");
@@ -305,54 +331,84 @@ fn towards(corners: &[Point; 4], centre: &Point, bound: f64) -> [Point; WAY.len(
 }
 
 impl State {
-    /// The numbers of the open cavity, if it has the target, and the point makes fewer of what the
+    /// The numbers of a place's cavity, if it has the target, and the point makes fewer of what the
     /// target asks for, none of which is far worse. For the sake of bounds those over their bounds
     /// count, and once more those with tiny angles of these before, of all afterwards.
-    fn relieves(&self, target: &Target, place: &Place, bounds: &Bounds<'_>) -> Option<Tally> {
-        let state = self;
-        let topology = state.mesh.topology();
-        if !topology.at(target.t).is_marked() {
+    fn relieves(
+        &self,
+        target: &Target,
+        place: &Place,
+        bounds: &Bounds<'_>,
+        tries: &mut Tries,
+    ) -> Option<Tally> {
+        // A search begins in a tetrahedron that the point takes out of the mesh.
+        let mut from = target.t;
+        if !self.mesh.in_conflict(from, &place.p) {
+            from = self.holder(from, &place.p)?;
+        }
+        let mut corners = self.vertices(from).into_iter().filter(|&v| v != INFINITE);
+        if corners.any(|v| self.at(v) == place.p) {
             return None;
         }
-        let inside = |t: &TetId| !topology.at(*t).is_ghost() && state.marks.region(*t) != 0;
-        let tets = || state.mesh.cavity().tets().filter(inside);
-        let ratio = bounds.ratio?;
+        let Tries { left, search, gone, .. } = tries;
+        search.find(&self.mesh, &place.p, from, |_| false);
+        *left = left.saturating_sub(search.tets().len());
+        if from != target.t && !search.has(target.t) {
+            return None;
+        }
         let thin = match target.goal {
             Goal::Bounds => TINY,
             Goal::Angles => bounds.dihedral?,
         };
         let (mut before, mut worst) = (Tally::default(), WORST);
-        for t in tets() {
-            let is_over = bounds.is_over(state, t);
-            if !is_over && target.goal == Goal::Bounds {
-                continue;
-            }
-            // Angles and ratios are rounded, in an order that is not that of the slots.
-            let v = state.vertices(t);
-            let [a, b, c, d] = sorted(v.map(|v| state.at(v)));
-            let counts = target.goal == Goal::Angles || !state.is_flat(v);
-            let is_thin = counts && thin.is_missed([&a, &b, &c, &d]);
-            before.over += usize::from(is_over);
-            before.thin += usize::from(is_thin);
-            if is_over {
-                worst = worst.max(Shape::of([&a, &b, &c, &d]).ratio_over(&ratio));
-            }
+        for &t in search.tets() {
+            let own = gone.entry(t).or_insert_with(|| self.gone(t, target.goal, thin, bounds));
+            before.over += usize::from(own.is_over);
+            before.thin += usize::from(own.is_thin);
+            worst = worst.max(own.ratio);
         }
-        let mut after = Tally::default();
-        for Made { corners, region } in InMesh::open(state).likely_star(target.t, place) {
-            let is_over = bounds.are_over(corners.each_ref(), region);
-            let by_place = sorted(corners);
-            after.thin += usize::from(thin.is_missed(corners.each_ref()));
-            if is_over {
-                after.over += 1;
-                if Shape::of(by_place.each_ref()).ratio_over(&ratio) > worst {
-                    return None;
-                }
+        let is_better = |after: &Tally| after.is_better(&before, target.goal);
+        let closure = InMesh::found(self, search);
+        let (mut made, mut after) = (Vec::new(), Tally::default());
+        // Bounds come first, which are told fast: nearly all points are refused by these.
+        for own in closure.likely_star(target.t, place) {
+            let is_over = bounds.are_over(own.corners.each_ref(), own.region);
+            after.over += usize::from(is_over);
+            if !is_better(&after) {
+                return None;
             }
-            if !after.is_better(&before, target.goal) {
+            made.push((own.corners, is_over));
+        }
+        for (corners, _) in &made {
+            after.thin += usize::from(thin.is_missed(corners.each_ref()));
+            if !is_better(&after) {
                 return None;
             }
         }
-        after.is_better(&before, target.goal).then_some(before)
+        let ratio = bounds.ratio?;
+        let is_worse = |&(corners, is_over): &([Point; 4], bool)| {
+            is_over && Shape::of(sorted(corners).each_ref()).ratio_over(&ratio) > worst
+        };
+        (!made.iter().any(is_worse) && is_better(&after)).then_some(before)
+    }
+
+    /// The counts of a tetrahedron that goes. For the sake of bounds one that keeps its own counts
+    /// nothing.
+    fn gone(&self, t: TetId, goal: Goal, thin: DihedralBound, bounds: &Bounds<'_>) -> Gone {
+        let v = self.vertices(t);
+        if v[3] == INFINITE || self.marks.region(t) == 0 {
+            return Gone::default();
+        }
+        let is_over = bounds.is_over(self, t);
+        if !is_over && goal == Goal::Bounds {
+            return Gone::default();
+        }
+        // Angles and ratios are rounded, in an order that is not that of the slots.
+        let [a, b, c, d] = sorted(v.map(|v| self.at(v)));
+        let counts = goal == Goal::Angles || !self.is_flat(v);
+        let is_thin = counts && thin.is_missed([&a, &b, &c, &d]);
+        let ratio = bounds.ratio.filter(|_| is_over);
+        let ratio = ratio.map_or(0.0, |bound| Shape::of([&a, &b, &c, &d]).ratio_over(&bound));
+        Gone { is_over, is_thin, ratio }
     }
 }
