@@ -300,7 +300,15 @@ pub enum DomainNews {
         /// Tetrahedra to look at; those in conflict lead to others.
         seeds: Vec<Handle>,
     },
-    /// The answer to one of these three, to the home.
+    /// The home of a probe asks for tetrahedra of the receiver: their regions tell which sides of
+    /// its own one are subfaces of patches.
+    Beyond {
+        /// The probe.
+        probe: ProbeId,
+        /// The tetrahedra.
+        at: Vec<Handle>,
+    },
+    /// The answer to one of these four, to the home.
     Part {
         /// The number of the probe.
         number: u32,
@@ -356,11 +364,12 @@ pub enum DomainNews {
 }
 
 /// The kinds of news that barriers wait for, in the order in which a round has them.
-pub(crate) const NEWS_KINDS: [&str; 16] = [
+pub(crate) const NEWS_KINDS: [&str; 17] = [
     "Keys",
     "Way",
     "Seek",
     "Search",
+    "Beyond",
     "Part",
     "Void",
     "WantRivals",
@@ -411,6 +420,7 @@ impl DomainNews {
             Self::Way { .. } => PROPOSAL + HANDLE + POINT + 1,
             Self::Seek { at, .. } => PROPOSAL + 1 + at.map_or(0, |_| HANDLE),
             Self::Search { seeds, .. } => PROPOSAL + 4 + HANDLE * seeds.len() as u64,
+            Self::Beyond { at, .. } => PROBE + 4 + HANDLE * at.len() as u64,
             Self::Part { end, found, foreign, .. } => {
                 let end = match end {
                     PartEnd::Blocked(item) => item_bytes(item),
@@ -445,18 +455,19 @@ impl DomainNews {
             Self::Way { .. } => 1,
             Self::Seek { .. } => 2,
             Self::Search { .. } => 3,
-            Self::Part { .. } => 4,
-            Self::Void(_) => 5,
-            Self::WantRivals(_) => 6,
-            Self::Entrants(_) => 7,
-            Self::Launch(_) => 8,
-            Self::Report(_) => 9,
-            Self::Fates(_) => 10,
-            Self::Rivals { .. } => 11,
-            Self::Ask { .. } => 12,
-            Self::Gone(_) => 13,
-            Self::Release(_) => 14,
-            Self::Refused(_) => 15,
+            Self::Beyond { .. } => 4,
+            Self::Part { .. } => 5,
+            Self::Void(_) => 6,
+            Self::WantRivals(_) => 7,
+            Self::Entrants(_) => 8,
+            Self::Launch(_) => 9,
+            Self::Report(_) => 10,
+            Self::Fates(_) => 11,
+            Self::Rivals { .. } => 12,
+            Self::Ask { .. } => 13,
+            Self::Gone(_) => 14,
+            Self::Release(_) => 15,
+            Self::Refused(_) => 16,
             Self::Several(all) => return all.iter().flat_map(Self::kinds).collect(),
             Self::Up(_) | Self::Down(_) | Self::Ended(_) => return Vec::new(),
         };

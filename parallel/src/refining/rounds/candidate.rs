@@ -179,6 +179,8 @@ pub(super) struct Probe {
     pub(super) was_searched: bool,
     /// Its cavity was found ahead.
     pub(super) is_ahead: bool,
+    /// What others tell are the tetrahedra beyond the sides of its own, not its closure.
+    pub(super) asks_beyond: bool,
     /// The news of others about its closure.
     pub(super) told: Option<Box<Told>>,
     pub(super) outcome: Outcome,
@@ -212,6 +214,7 @@ impl Probe {
             open: 0,
             was_searched: false,
             is_ahead: false,
+            asks_beyond: false,
             told: None,
             outcome: Outcome::Open,
             waits: None,

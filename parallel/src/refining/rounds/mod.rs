@@ -23,6 +23,7 @@
 //! | `keys`, `ranked` | which tetrahedra come before all around them |
 //! | `candidate` | probes and candidates as values |
 //! | `probe` | the home's side of the choice: probes and what comes of them |
+//! | `beyond` | which sides of a tetrahedron are subfaces, where others know the regions beyond |
 //! | `leaders` | which of several with nearly equal spheres is probed |
 //! | `ahead`, `found` | cavities found while others are waited for |
 //! | `here` | closures that are all one worker's |
@@ -39,6 +40,7 @@
 //! | `ranks` | a worker in each process of a team |
 
 mod ahead;
+mod beyond;
 mod candidate;
 mod conduct;
 mod contest;

@@ -6,7 +6,7 @@ use super::ranked::rank_of;
 use super::ruled::Verdict;
 use super::serve::describe;
 use super::source::Rounds;
-use super::way::{Entry, FarFace, WayEnd, labels_at, walk_way};
+use super::way::{Entry, FarFace, WayEnd, walk_way};
 use crate::protocol::table::Table;
 use crate::protocol::{Directory, Handle, Rules, Submesh, Walk, WorkerId};
 use crate::refining::domain::{DomainMesh, is_near};
@@ -74,14 +74,10 @@ impl<C: Rules> Rounds<C> {
                 let What::Tet(t, v) = self.choice.probes[k as usize].what else {
                     return self.refuse_without_aim(mesh, k);
                 };
-                // The regions beyond tell of patches.
-                let is_known = |slot| labels_at(mesh, t, slot).is_some();
-                if mesh.complex.has_patches() && !(0..4).all(is_known) {
-                    return self.give_up(mesh, k);
+                match self.choice.probes[k as usize].sides(mesh, (t, v)) {
+                    Some(sides) => self.conclude_with(mesh, k, &sides),
+                    None => self.ask_beyond(mesh, directory, k),
                 }
-                let labels = |slot: usize| labels_at(mesh, t, slot);
-                let sides = mesh.complex.sides_of(v.map(|v| mesh.corner(v)), labels);
-                self.conclude_with(mesh, k, &sides);
             }
             Aim::Refused => self.refuse(mesh, k, Reason::Floor),
         }
@@ -125,7 +121,7 @@ impl<C: Rules> Rounds<C> {
         self.report(mesh, k);
     }
 
-    fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, first: &[BoundaryItem]) {
+    pub(super) fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, first: &[BoundaryItem]) {
         let what = &self.choice.probes[k as usize].what;
         let outcome = what.asks(mesh, first, &self.past(what));
         self.conclude(k, outcome);
@@ -221,7 +217,7 @@ impl<C: Rules> Rounds<C> {
         self.answer(mesh, directory, probe, PartEnd::Found, found, foreign);
     }
 
-    fn answer(
+    pub(super) fn answer(
         &mut self,
         mesh: &mut DomainMesh<'_>,
         directory: &Directory,
@@ -249,6 +245,9 @@ impl<C: Rules> Rounds<C> {
         let probe = &mut self.choice.probes[k as usize];
         probe.open -= 1;
         match end {
+            PartEnd::Found if probe.asks_beyond => {
+                return self.take_beyond(mesh, directory, (from, k), &found);
+            }
             PartEnd::Found => {}
             end if probe.sliver.is_some() => return self.end_try(mesh, directory, k, end),
             PartEnd::Blocked(item) => return self.conclude_with(mesh, k, &[item.item()]),

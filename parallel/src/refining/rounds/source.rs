@@ -380,6 +380,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                     seeds.iter().filter_map(|handle| mesh.resolve(handle.name)).collect();
                 self.serve(mesh, directory, &own.into(), &seeds);
             }
+            DomainNews::Beyond { probe, at } => self.tell_beyond(mesh, directory, probe, &at),
             DomainNews::Part { number, end, found, foreign } => {
                 self.take_part(mesh, directory, from, number, (end, found, foreign));
             }

@@ -3,7 +3,7 @@
 //! | sent in | kinds | taken before |
 //! |---|---|---|
 //! | `Looking`, `Exchanging` | `Keys` | `Counting` ends |
-//! | `Choosing` | `Way`, `Seek`, `Search`, `Part`, `Void`, `WantRivals` | `Choosing` ends |
+//! | `Choosing` | `Way`, `Seek`, `Search`, `Beyond`, `Part`, `Void`, `WantRivals` | `Choosing` ends |
 //! | `Choosing`, in turns | `Entrants`, `Launch`, `Report`, `Fates` | `Choosing` ends |
 //! | `Deciding` | `Rivals`, `Ask`, `Gone` | `Inserting` ends |
 //! | the end of `Inserting` | `Release`, `Refused` | the next `Counting` ends |
@@ -53,10 +53,10 @@ const KINDS: [&str; NEXT_PROBES + DECISIONS - PROBES] = {
 };
 // The places of the first of each row.
 const PROBES: usize = 1;
-const DECISIONS: usize = 11;
-const RELEASES: usize = 14;
-const NEXT_KEYS: usize = 16;
-const NEXT_PROBES: usize = 17;
+const DECISIONS: usize = 12;
+const RELEASES: usize = 15;
+const NEXT_KEYS: usize = 17;
+const NEXT_PROBES: usize = 18;
 
 impl Stage {
     /// The kinds of which none may be under way while a worker is in this stage. One that has not
