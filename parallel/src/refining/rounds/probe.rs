@@ -42,6 +42,7 @@ impl<C: Rules> Rounds<C> {
             && attempt == 0
             && self.take_found(mesh, k, (t, v))
         {
+            self.note_barred(mesh, k);
             let nothing = (PartEnd::Found, WireClosure::default(), Vec::new());
             return self.take_part(mesh, directory, self.me, k, nothing);
         }
@@ -55,6 +56,7 @@ impl<C: Rules> Rounds<C> {
                 let probe = &mut self.choice.probes[k as usize];
                 (probe.to, probe.carrier, probe.may) = (bits(&point), carrier, may);
                 probe.open = 1;
+                self.note_barred(mesh, k);
                 let own = &self.seeker(k);
                 match &self.choice.probes[k as usize].what {
                     &What::Tet(t, v) => {
@@ -143,6 +145,10 @@ impl<C: Rules> Rounds<C> {
         (start, may): (Bits, bool),
     ) {
         match walk_way(mesh, at, &start, &own.to, may) {
+            WayEnd::At(_) if self.is_barred(own.probe) => {
+                let nothing = WireClosure::default();
+                self.answer(mesh, directory, own.probe, PartEnd::Found, nothing, Vec::new());
+            }
             WayEnd::At(t) => self.serve(mesh, directory, own, &[t]),
             WayEnd::Far(FarFace { at, region }) => {
                 let owner = directory.owner(at.block);
@@ -244,6 +250,10 @@ impl<C: Rules> Rounds<C> {
     ) {
         let probe = &mut self.choice.probes[k as usize];
         probe.open -= 1;
+        if (probe.follows || probe.barred.is_some()) && self.end_barred(mesh, (from, k), &end) {
+            return;
+        }
+        let probe = &mut self.choice.probes[k as usize];
         match end {
             PartEnd::Found if probe.asks_beyond => {
                 return self.take_beyond(mesh, directory, (from, k), &found);
@@ -371,13 +381,15 @@ impl<C: Rules> Rounds<C> {
             true => self.rule_told(mesh, k),
             false => self.rule_here(mesh, k),
         };
-        let probe = &mut self.choice.probes[k as usize];
-        let has_own = match probe.what {
+        let has_own = match self.choice.probes[k as usize].what {
             What::Tet(t, _) => self.served.cavity(id).any(|other| other == t),
             What::Item(_) => true,
         };
         let outcome = match verdict {
-            Verdict::Blocked => return self.give_up(mesh, k),
+            Verdict::Blocked(reason, blocks) => {
+                self.tell_blocks(&blocks);
+                Some(Outcome::Refused(reason))
+            }
             Verdict::Is(Outcome::Fits(_)) if !has_own => None,
             Verdict::Is(outcome) => Some(outcome),
             Verdict::Useless => None,
@@ -387,6 +399,7 @@ impl<C: Rules> Rounds<C> {
             self.drop_parts(k);
             return self.retry(mesh, directory, k);
         };
+        let probe = &mut self.choice.probes[k as usize];
         let is_item = matches!(probe.what, What::Item(_));
         let fits = matches!(outcome, Outcome::Fits(_));
         if fits {
