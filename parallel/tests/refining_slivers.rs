@@ -63,7 +63,7 @@ fn workers_split_slivers_at_patches() {
         (all, left) = (all + own[0], left + own[1]);
         println!("{name}: {:?}", one_mesh(name, &refiner, &ready));
     }
-    assert!(all > 50 && left < all / 2, "{left} of {all} points left to the engine");
+    assert!(all > 50 && left <= all / 8, "{left} of {all} points left to the engine");
 }
 
 /// Where something was refused late steps come before, which take the whole mesh; then the engine

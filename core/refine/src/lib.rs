@@ -74,6 +74,8 @@ pub use rounds::{InsertOrder, RoundTimes};
 #[doc(hidden)]
 pub use rules::aim::Aim;
 #[doc(hidden)]
+pub use rules::block::{Block, Blocks};
+#[doc(hidden)]
 pub use rules::by_values::{OnBoundary, SliverRuling, Survey};
 #[doc(hidden)]
 pub use rules::choice::{

@@ -18,6 +18,7 @@ use crate::outcome::{Reason, RefineStats};
 use crate::output::refined::Refined;
 use crate::queue::split::{Refinement, Step};
 use crate::rounds::{Finished, InsertOrder, Resumed, RoundTimes, Rounds};
+use crate::rules::block::Block;
 use crate::rules::record::Refusal;
 use crate::thin::Thin;
 use ltbw_core::CancelToken;
@@ -273,6 +274,9 @@ impl<'a> Refiner<'a> {
     }
 }
 
+/// Slivers that are left to others, and the subfaces that bar many.
+type SliversLeft = (Vec<Thin>, Vec<Block>);
+
 /// One refinement under way.
 pub(super) struct Run<'a> {
     refiner: Refiner<'a>,
@@ -320,7 +324,7 @@ impl<'a> Run<'a> {
         start_seconds: f64,
         resumed: Option<Resumed>,
         few: Option<usize>,
-    ) -> Result<Option<Vec<Thin>>, RefineError> {
+    ) -> Result<Option<SliversLeft>, RefineError> {
         if self.stop.is_some() || self.refinement.bounds.is_none() {
             return Ok(None);
         }
@@ -331,12 +335,12 @@ impl<'a> Run<'a> {
         let mut rounds = Rounds::new(&mut self.refinement, order, self.most, stats);
         resumed.into_iter().for_each(|resumed| rounds.resume(resumed));
         few.into_iter().for_each(|few| rounds.leave_slivers(few));
-        let Finished { stop, stats, over, times, slivers } =
+        let Finished { stop, stats, over, times, slivers, blocks } =
             rounds.run_in_pool(refiner.cancel, tell)?;
         (self.stop, self.over) = (stop, Some(over));
         self.rounds.extend(times);
         self.stats = RefineStats { start_seconds, ..stats };
-        Ok(slivers)
+        Ok(slivers.map(|slivers| (slivers, blocks)))
     }
 
     /// Puts every tetrahedron over its bounds.

@@ -33,7 +33,7 @@
 //! | `termination` | the token, in waves over a tree |
 //! | `directory`, `table` | who owns which block; a small map |
 //! | `news` | what sources tell each other |
-//! | `rules` | R1 to R31, a question each |
+//! | `rules` | R1 to R33, a question each |
 //! | `invariant` | P1 to P12, as assertions that hold in releases |
 //! | `submesh` | what is needed of a mesh and of a supply of points |
 //! | `variants` | the steps of the paper's conflict rule and closure |

@@ -84,6 +84,10 @@ rules! {
     fn shares_leaders;
     /// R31: those beyond an interface face hear that a tetrahedron was refused and has no rank.
     fn withdraws_ranks;
+    /// R32: all workers keep a block that one has found, before the choice of its round ends.
+    fn shares_blocks;
+    /// R33: before the next round all know beside which blocks tetrahedra are gone.
+    fn forgets_blocks;
 }
 
 /// The protocol as it ships.

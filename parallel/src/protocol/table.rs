@@ -43,13 +43,11 @@ impl<K: Ord + Copy, V> Table<K, V> {
 
     /// Puts a value there if there is none: was there none?
     pub(crate) fn insert_new(&mut self, key: K, value: impl FnOnce() -> V) -> bool {
-        match self.place(key) {
-            Ok(_) => false,
-            Err(place) => {
-                self.0.insert(place, (key, value()));
-                true
-            }
+        let place = self.place(key);
+        if let Err(place) = place {
+            self.0.insert(place, (key, value()));
         }
+        place.is_err()
     }
 
     pub(crate) fn values(&self) -> impl Iterator<Item = &V> {

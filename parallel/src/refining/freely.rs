@@ -89,6 +89,7 @@ fn refine<'a, C: Rules, R>(
         candidates,
         thin,
         slivers,
+        blocks: Vec::new(),
         stats,
     };
     Ok(Refining { refined: delegated.finish(handed)?, splits, owners: Owners(firsts), told })

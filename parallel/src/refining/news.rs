@@ -1,13 +1,17 @@
 //! The news of workers about a domain: about the choice of a round, or, without rounds,
 //! about boundary items that are split.
 
+mod kinds;
+
+pub(crate) use kinds::NEWS_KINDS;
+
 use crate::mesh::VertexName;
 use crate::protocol::{Handle, Name, WorkerId};
 use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
 use ltbw_refine::{
-    BoundaryItem, Carrier, Corner, Group, ItemPlace, Limit, NOWHERE, Rank, Reason, Refusal, Rival,
-    Watch,
+    Block, BoundaryItem, Carrier, Corner, Group, ItemPlace, Limit, NOWHERE, Rank, Reason, Refusal,
+    Rival, Watch,
 };
 use smallvec::SmallVec;
 
@@ -226,6 +230,8 @@ pub enum Fate {
     Stands,
     /// It was not probed, or is killed, or waits.
     Falls,
+    /// Another one of its group was probed.
+    Follows,
     /// A point of the boundary that was taken before bars it.
     Barred,
 }
@@ -300,7 +306,15 @@ pub enum DomainNews {
         /// Tetrahedra to look at; those in conflict lead to others.
         seeds: Vec<Handle>,
     },
-    /// The answer to one of these three, to the home.
+    /// The home of a probe asks for tetrahedra of the receiver: their regions tell which sides of
+    /// its own one are subfaces of patches.
+    Beyond {
+        /// The probe.
+        probe: ProbeId,
+        /// The tetrahedra.
+        at: Vec<Handle>,
+    },
+    /// The answer to one of these four, to the home.
     Part {
         /// The number of the probe.
         number: u32,
@@ -311,6 +325,8 @@ pub enum DomainNews {
         /// Other workers' tetrahedra beside those in conflict.
         foreign: Vec<Handle>,
     },
+    /// Refusals have left these behind.
+    Blocks(Vec<Block>),
     /// The probe reserves nothing after all.
     Void(ProbeId),
     /// The home of the probe wants to hear of its rivals.
@@ -345,6 +361,8 @@ pub enum DomainNews {
     Release(ItemPlace),
     /// Boundary items that the sender keeps were refused, or are not any more.
     Refused(Vec<(ItemPlace, Option<WireRefusal>)>),
+    /// Tetrahedra beside the blocks with these subfaces are gone, or will be.
+    Unblocked(Vec<ItemPlace>),
     /// A boundary item of the sender's list is split, or cannot be: the items that wait for it are
     /// asked again. (Without rounds.)
     Ended([VertexName; 3]),
@@ -354,26 +372,6 @@ pub enum DomainNews {
         Vec<DomainNews>,
     ),
 }
-
-/// The kinds of news that barriers wait for, in the order in which a round has them.
-pub(crate) const NEWS_KINDS: [&str; 16] = [
-    "Keys",
-    "Way",
-    "Seek",
-    "Search",
-    "Part",
-    "Void",
-    "WantRivals",
-    "Entrants",
-    "Launch",
-    "Report",
-    "Fates",
-    "Rivals",
-    "Ask",
-    "Gone",
-    "Release",
-    "Refused",
-];
 
 /// Bytes of some corners, most of which are free.
 fn corners_bytes(all: &[WireCorner]) -> u64 {
@@ -411,6 +409,7 @@ impl DomainNews {
             Self::Way { .. } => PROPOSAL + HANDLE + POINT + 1,
             Self::Seek { at, .. } => PROPOSAL + 1 + at.map_or(0, |_| HANDLE),
             Self::Search { seeds, .. } => PROPOSAL + 4 + HANDLE * seeds.len() as u64,
+            Self::Beyond { at, .. } => PROBE + 4 + HANDLE * at.len() as u64,
             Self::Part { end, found, foreign, .. } => {
                 let end = match end {
                     PartEnd::Blocked(item) => item_bytes(item),
@@ -430,37 +429,12 @@ impl DomainNews {
             Self::Rivals { rivals, .. } => 8 + rivals.len() as u64 / 2,
             Self::Ask { item, waiter, .. } => item_bytes(item) + 18 + waiter.map_or(1, |_| PLACE),
             Self::Gone(_) | Self::Release(_) => PLACE,
+            Self::Blocks(all) => 4 + (PLACE + 8 * POINT) * all.len() as u64,
+            Self::Unblocked(all) => 4 + PLACE * all.len() as u64,
             Self::Refused(all) => 4 + (PLACE + 36) * all.len() as u64,
             Self::Ended(_) => 3 * 8,
             Self::Several(all) => all.iter().map(|news| 1 + news.bytes()).sum(),
         }
-    }
-}
-
-impl DomainNews {
-    /// The kinds of all that it tells, of [`NEWS_KINDS`].
-    pub(crate) fn kinds(&self) -> Vec<&'static str> {
-        let kind = match self {
-            Self::Keys { .. } => 0,
-            Self::Way { .. } => 1,
-            Self::Seek { .. } => 2,
-            Self::Search { .. } => 3,
-            Self::Part { .. } => 4,
-            Self::Void(_) => 5,
-            Self::WantRivals(_) => 6,
-            Self::Entrants(_) => 7,
-            Self::Launch(_) => 8,
-            Self::Report(_) => 9,
-            Self::Fates(_) => 10,
-            Self::Rivals { .. } => 11,
-            Self::Ask { .. } => 12,
-            Self::Gone(_) => 13,
-            Self::Release(_) => 14,
-            Self::Refused(_) => 15,
-            Self::Several(all) => return all.iter().flat_map(Self::kinds).collect(),
-            Self::Up(_) | Self::Down(_) | Self::Ended(_) => return Vec::new(),
-        };
-        vec![NEWS_KINDS[kind]]
     }
 }
 

@@ -137,4 +137,8 @@ variants! {
     R30 shares_leaders: OwnLeader, "each worker has a leader of its own";
     /// A tetrahedron beside one that was refused waits for it.
     R31 withdraws_ranks: LastingRank, "ranks of what was refused stay";
+    /// A tetrahedron is probed that others have reason to refuse.
+    R32 shares_blocks: OwnBlocks, "blocks not told";
+    /// Tetrahedra are refused for a subface that bars them no more.
+    R33 forgets_blocks: LastingBlock, "blocks that are gone stay";
 }

@@ -181,6 +181,30 @@ fn ramp_case() -> Case {
     Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
 }
 
+/// A star with patches, of which some subfaces come to bar many tetrahedra.
+fn star_case(arms: u32) -> Case {
+    let domain = surfaces::star(arms, 1e-8, u64::from(arms));
+    let options = PrepareOptions { oriented: true, ..PrepareOptions::default() };
+    let ready = domain.prepare(&options).expect("a sound domain");
+    let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(3e-4).start(64);
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+}
+
+#[test]
+fn blocks_with_a_broken_rule_are_caught() {
+    // Rounds without a point are many there.
+    let near = [(2, 1_000), (3, 1_000), (8, 1_000)];
+    let all: Vec<Case> = (3..9).map(star_case).collect();
+    for case in &all {
+        for of in near {
+            assert_eq!(run::<Correct>(case, of), Ok(()), "{of:?}");
+        }
+    }
+    caught_in(&near, Defect::OwnBlocks, &all);
+    caught_in(&near, Defect::LastingBlock, &all);
+}
+
 /// Two tetrahedra of one group are two workers' where parts are small.
 #[test]
 fn leaders_and_ranks_with_a_broken_rule_are_caught() {

@@ -3,7 +3,7 @@
 //! its end and reserves all slots of its cavity, unless it is refused: the slots, and with them
 //! the choice, are a function of the mesh, whoever probes what and when.
 
-use super::block::Block;
+use super::block::Here;
 use super::foremost::Foremost;
 use super::probe::Approach;
 use super::{Candidate, Conclusion, Rounds};
@@ -11,6 +11,7 @@ use crate::mesh::item::Item;
 use crate::mesh::state::{Place, State};
 use crate::mesh::survey::Survey;
 use crate::rules::aim::ATTEMPTS;
+use crate::rules::block::{Between, Block};
 use crate::rules::bounded::InMesh;
 use crate::rules::record::Record;
 use crate::rules::verdict::{Filling, Judge, Verdict};
@@ -95,7 +96,7 @@ pub(super) struct Batch {
     probed: Vec<Reserves>,
     cavities: Vec<TetId>,
     conclusions: Vec<Conclusion>,
-    blocks: Vec<Block>,
+    blocks: Vec<(Block, Here)>,
     searches: u64,
     stats: PredicateStats,
 }
@@ -153,21 +154,17 @@ impl Rounds<'_, '_> {
                 Verdict::Defer(first) => (None, first),
                 Verdict::Useless | Verdict::Refuse(_) => continue,
             };
-            let Seen { closure, tets, survey } = seen;
             if filling.is_none() {
                 let conclusion = self.conclusion(own, rank, &first);
                 let is_refused = conclusion.verdict.is_err();
                 batch.conclusions.push(conclusion);
                 if is_refused {
                     // It is in nobody's way.
-                    batch.blocks.extend(self.blocks_in(
-                        tets,
-                        survey,
-                        self.limit(own.t, &own.shape),
-                    ));
+                    batch.blocks.extend(self.blocks_in(&seen, own));
                     return;
                 }
             }
+            let Seen { closure, tets, survey } = seen;
             // Reserved at once, while they are in this thread's cache.
             self.reserved.reserve(rank, tets, self.threads == 1);
             let start = batch.cavities.len();
@@ -184,6 +181,17 @@ impl Rounds<'_, '_> {
         }
     }
 
+    /// The subfaces that the refused point of a tetrahedron would take out of the mesh.
+    fn blocks_in(&self, seen: &Seen<'_>, own: &Foremost) -> Vec<(Block, Here)> {
+        let (record, limit) = (&self.own.record, self.limit(own.t, &own.shape));
+        let found = seen.judge(record).blocks(|s| record.bars(&Item::Subface(s), limit).is_some());
+        let here = |(block, (corners, sides)): (Block, Between<TetId>)| {
+            let sides = sides.map(|t| (t, self.own.state.vertices(t)));
+            (block, Here { item: Item::Subface(corners), sides })
+        };
+        found.into_iter().map(here).collect()
+    }
+
     /// Takes over what a batch has found.
     pub(super) fn take_batch(&mut self, batch: Batch) {
         for Reserves { item, rank, place, cavity, watch, filling } in batch.probed {
@@ -197,7 +205,7 @@ impl Rounds<'_, '_> {
             self.choice.candidates.push(own);
         }
         self.demands.conclusions.extend(batch.conclusions);
-        self.blocks.found.extend(batch.blocks);
+        self.blocks.note(batch.blocks);
         self.stats.searches += batch.searches;
         self.own.state.mesh.add_stats(batch.stats);
     }

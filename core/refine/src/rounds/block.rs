@@ -1,123 +1,64 @@
-//! Subfaces that bar many tetrahedra of a round.
-//!
-//! Where thousands of tetrahedra have their centres in one place, as in a ball, a few subfaces that
-//! may not be split bar the points of all of them. To open a cavity of thousands of tetrahedra for
-//! each only to find the same subfaces takes the time of its square. So a refusal leaves these
-//! subfaces behind, and from then on a tetrahedron whose point would take one of them out of the
-//! mesh is refused by two tests.
+//! Blocks on one mesh: each is kept with its item, and the tetrahedra on both sides of it.
 
 use super::Rounds;
 use super::foremost::Foremost;
 use crate::mesh::item::Item;
-use crate::mesh::limit::Limit;
-use crate::mesh::marks::{FACES, face_bit};
 use crate::mesh::state::FACE;
-use crate::mesh::survey::Survey;
+use crate::mesh::state::State;
 use crate::outcome::Reason;
 use crate::rules::aim::{Aim, at_centre};
+use crate::rules::block::Block;
 use crate::rules::walk::Way;
 use crate::table::triangle;
 use crate::thin::Thin;
-use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
 
-/// The most subfaces that one refusal leaves behind, and the most that are kept.
-const MOST: [usize; 2] = [4, 64];
-
-/// A subface that may not be split.
-#[derive(Debug)]
-pub(super) struct Block {
-    corners: [VertexId; 3],
-    /// The tetrahedra on both sides of it, with their vertices: others may have the subface, too,
-    /// and one of their slots.
-    sides: [Thin; 2],
+/// A block in the mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Here {
+    pub(crate) item: Item,
+    /// The tetrahedra on both sides, with their vertices: others may have one of their slots.
+    pub(crate) sides: [Thin; 2],
 }
 
-/// The subfaces that tetrahedra were refused for.
-#[derive(Debug, Default)]
-pub(super) struct Blocks {
-    /// In earlier rounds.
-    kept: Vec<Block>,
-    /// In this one.
-    pub(super) found: Vec<Block>,
-}
-
-impl Blocks {
-    /// Are there none?
-    pub(super) fn are_none(&self) -> bool {
-        self.kept.is_empty() && self.found.is_empty()
-    }
-
-    /// Forgets all.
-    pub(super) fn clear(&mut self) {
-        self.kept.clear();
-        self.found.clear();
+impl State {
+    /// A block with its item, which a tetrahedron has; none if others are beside that by now.
+    pub(crate) fn block_at(&self, block: &Block, item: Item, near: TetId) -> Option<Here> {
+        let Item::Subface(corners) = item else { return None };
+        let v = self.vertices(near);
+        let slot = (0..4).find(|&slot| {
+            let [a, b, c] = FACE[slot].map(|k| v[k]);
+            triangle(a, b, c) == corners
+        })?;
+        let beyond = self.neighbours(near)[slot];
+        let sides = [near, beyond].map(|t| (t, self.vertices(t)));
+        let own = Block::new(corners, sides.map(|own| own.1), |v| self.at(v));
+        own.is_same(block).then_some(Here { item, sides })
     }
 }
 
 impl Rounds<'_, '_> {
-    /// The subfaces that a refused point would take out of the mesh, of the boundary in its cavity,
-    /// if they may not be split under its limit.
-    pub(super) fn blocks_in(
-        &self,
-        tets: &[TetId],
-        survey: &Survey<TetId>,
-        limit: Option<Limit>,
-    ) -> Vec<Block> {
-        if survey.inner().next().is_none() {
-            return Vec::new();
-        }
-        let topology = self.own.state.mesh.topology();
-        let mut found = Vec::new();
-        for &t in tets {
-            let word = self.own.state.marks.of(t);
-            let tet = topology.at(t);
-            for slot in (0..4).filter(|&slot| word & FACES & face_bit(slot) != 0) {
-                let [a, b, c] = FACE[slot].map(|k| tet.vertices()[k]);
-                let corners = triangle(a, b, c);
-                let is_lost = survey.inner().any(|face| face.key == corners);
-                let sides = [t, tet_of(tet.neighbours()[slot])];
-                // Beside dust of a patch others may become subfaces in its place.
-                let is_fixed =
-                    !sides.iter().any(|&t| self.own.state.is_flat(self.own.state.vertices(t)));
-                // Each is met from both sides.
-                if is_lost
-                    && is_fixed
-                    && sides[0] < sides[1]
-                    && self.own.record.bars(&Item::Subface(corners), limit).is_some()
-                {
-                    let sides = sides.map(|t| (t, self.own.state.vertices(t)));
-                    found.push(Block { corners, sides });
-                }
-            }
-        }
-        let place = |block: &Block| self.own.state.place_of(Item::Subface(block.corners));
-        found.sort_by_cached_key(place);
-        found.truncate(MOST[0]);
-        found
+    /// The blocks that are left, for others.
+    pub(crate) fn blocks_left(&self) -> Vec<Block> {
+        let state = &self.own.state;
+        let is_left = |own: &&(Block, Here)| own.1.sides.iter().all(|&(t, v)| state.is_live(t, v));
+        self.blocks.kept().iter().filter(is_left).map(|own| own.0.clone()).collect()
     }
 
     /// Forgets subfaces that are gone, or may be split, or have another tetrahedron beside them.
     pub(super) fn check_blocks(&mut self) {
-        let Self { blocks: Blocks { kept: blocks, .. }, own, .. } = self;
+        let Self { blocks, own, .. } = self;
         let (state, record) = (&own.state, &own.record);
-        blocks.retain(|block| {
-            block.sides.iter().all(|&(t, v)| state.is_live(t, v))
-                && state.subfaces.contains_key(&block.corners)
-                && record.refused.contains_key(&Item::Subface(block.corners))
+        blocks.retain(|(_, Here { item, sides })| {
+            sides.iter().all(|&(t, v)| state.is_live(t, v)) && record.refused.contains_key(item)
         });
     }
 
     /// Adds the subfaces that were found in this round to those that are kept, and refuses those of
     /// the foremost that they bar and that were not probed.
     pub(super) fn refuse_blocked(&mut self) {
-        let mut found = std::mem::take(&mut self.blocks.found);
-        found.retain(|block| self.blocks.kept.iter().all(|other| other.corners != block.corners));
-        found.sort_by_cached_key(|b| self.own.state.place_of(Item::Subface(b.corners)));
-        found.dedup_by_key(|block| block.corners);
-        found.truncate(MOST[1].saturating_sub(self.blocks.kept.len()));
-        self.blocks.kept.append(&mut found);
-        if self.blocks.kept.is_empty() {
+        if !self.blocks.keep() {
             return;
         }
         let followers: Vec<Foremost> = self.followers().copied().collect();
@@ -136,31 +77,25 @@ impl Rounds<'_, '_> {
     /// of the mesh that others were refused for.
     pub(super) fn blocked(&self, p: &Point, own: &Foremost) -> Option<Reason> {
         let mesh = &self.own.state.mesh;
-        let is_lost = |block: &&Block| block.sides.iter().all(|&(t, _)| mesh.in_conflict(t, p));
-        let lost: Vec<Item> =
-            self.blocks.kept.iter().filter(is_lost).map(|b| Item::Subface(b.corners)).collect();
-        if lost.is_empty() {
-            return None;
-        }
-        // It may be split for a shorter edge than those before allowed.
-        let limit = self.limit(own.t, &own.shape);
-        let root = lost.iter().find_map(|item| self.own.record.bars(item, limit))?;
-        match self.own.state.reason_near(own.corners) {
-            Reason::Rounding => Some(root),
-            named => Some(named),
-        }
+        let is_lost =
+            |(_, here): &(Block, Here)| here.sides.iter().all(|&(t, _)| mesh.in_conflict(t, p));
+        let bars = |(_, here): &(Block, Here)| {
+            self.own.record.bars(&here.item, self.limit(own.t, &own.shape))
+        };
+        self.blocks.refuse(is_lost, bars, || self.own.state.reason_near(own.corners))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Block;
+    use super::{Block, Here};
     use crate::Refiner;
     use crate::mesh::item::Item;
     use crate::mesh::marks::face_bit;
     use crate::mesh::state::FACE;
     use crate::outcome::{Reason, RefineStats};
     use crate::rounds::{InsertOrder, Rounds};
+    use crate::rules::block::Blocks;
     use crate::rules::record::Refusal;
     use crate::table::triangle;
     use crate::tests::ready;
@@ -180,6 +115,17 @@ mod tests {
             let corners = FACE[slot].map(|k| tet.vertices()[k]);
             Some((t, corners, tet_of(tet.neighbours()[slot])))
         })
+    }
+
+    /// Keeps a block between two tetrahedra.
+    fn keep(rounds: &mut Rounds<'_, '_>, corners: [VertexId; 3], sides: [TetId; 2]) -> Here {
+        let state = &rounds.own.state;
+        let sides = sides.map(|t| (t, state.vertices(t)));
+        let block = Block::new(corners, sides.map(|own| own.1), |v| state.at(v));
+        let here = Here { item: Item::Subface(corners), sides };
+        assert!(state.block_at(&block, here.item, sides[0].0).is_some(), "it is found again");
+        rounds.blocks = Blocks::of(vec![(block, here)]);
+        here
     }
 
     /// Tells rounds before their first choice, and what [`beside_two_regions`] finds there.
@@ -204,8 +150,7 @@ mod tests {
             let [a, b, c] = corners;
             let corners = triangle(a, b, c);
             let own = rounds.own.state.foremost_at(t, 1);
-            let sides = [t, other].map(|t| (t, rounds.own.state.vertices(t)));
-            rounds.blocks.kept.push(Block { corners, sides });
+            keep(rounds, corners, [t, other]);
             let limit = rounds.limit(t, &own.shape).expect("bounds");
             let item = Item::Subface(corners);
             for (factor, is_barred) in [(0.5, true), (1.0, true), (2.0, false)] {
@@ -227,18 +172,18 @@ mod tests {
             let corners = triangle(a, b, c);
             let item = Item::Subface(corners);
             rounds.own.record.refused.insert(item, Refusal::final_for(Reason::Floor));
-            let sides = [t, other].map(|t| (t, rounds.own.state.vertices(t)));
-            rounds.blocks.kept.push(Block { corners, sides });
+            let sides = keep(rounds, corners, [t, other]).sides;
             rounds.check_blocks();
-            assert_eq!(rounds.blocks.kept.len(), 1, "both are there");
+            assert_eq!(rounds.blocks.kept().len(), 1, "both are there");
             // The one that was here had another apex.
             let apex = |v: [VertexId; 4]| (0..4).find(|&k| !corners.contains(&v[k]));
             let [mut gone, stays] = sides;
             let [k, j] = [gone, stays].map(|(_, v)| apex(v).expect("an apex"));
             gone.1[k] = stays.1[j];
-            rounds.blocks.kept[0].sides = [gone, stays];
+            let (block, here) = rounds.blocks.kept()[0].clone();
+            rounds.blocks = Blocks::of(vec![(block, Here { sides: [gone, stays], ..here })]);
             rounds.check_blocks();
-            assert!(rounds.blocks.kept.is_empty(), "kept by its slot");
+            assert!(rounds.blocks.kept().is_empty(), "kept by its slot");
         });
     }
 }

@@ -28,6 +28,7 @@ mod times;
 #[cfg(test)]
 mod twin;
 
+pub(crate) use block::Here as BlockHere;
 #[doc(hidden)]
 pub use choose::are_joined;
 #[doc(hidden)]
@@ -44,11 +45,12 @@ use crate::mesh::names::Names;
 use crate::mesh::state::Place;
 use crate::outcome::{Reason, RefineStats};
 use crate::queue::split::{Refinement, Step};
+use crate::rules::block::{Block, Blocks};
 use crate::rules::record::Refusal;
 use crate::rules::verdict::Filling;
 use crate::rules::watch::Watch;
 use crate::thin::Thin;
-use block::Blocks;
+use block::Here;
 use demands::{Asked, Conclusion, Demands, Pending};
 use foremost::Front;
 use late::Late;
@@ -127,6 +129,8 @@ pub(crate) struct Finished {
     pub(crate) times: Vec<RoundTimes>,
     /// The slivers, if others are to split these.
     pub(crate) slivers: Option<Vec<Thin>>,
+    /// The blocks, if so.
+    pub(crate) blocks: Vec<Block>,
 }
 
 /// Says whether the work is cancelled; is told the number of vertices.
@@ -179,7 +183,7 @@ pub(crate) struct Rounds<'r, 'a> {
     demands: Demands,
     choice: Choice,
     reserved: Reserved,
-    blocks: Blocks,
+    blocks: Blocks<Here>,
     late: Late,
     /// Slots written by the insertions of this round, each once.
     created: Vec<TetId>,
@@ -320,8 +324,9 @@ impl<'r, 'a> Rounds<'r, 'a> {
             stop = Some(Reason::Cancelled);
         }
         self.check_complete()?;
-        let over = self.over();
-        Ok(Finished { stop, stats: self.stats, over, times: self.clock.rounds, slivers })
+        let (over, blocks) = (self.over(), self.blocks_left());
+        let (stats, times) = (self.stats, self.clock.rounds);
+        Ok(Finished { stop, stats, over, times, slivers, blocks })
     }
 
     /// The next step; `None` if nothing is left to do.

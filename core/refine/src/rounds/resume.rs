@@ -1,10 +1,11 @@
 //! Rounds that take over from others, who have carried out some before.
 
-use super::{Pending, Rounds};
+use super::{BlockHere, Pending, Rounds};
 use crate::RefineError;
 use crate::mesh::item::Item;
 use crate::mesh::limit::Limit;
 use crate::outcome::RefineStats;
+use crate::rules::block::{Block, Blocks};
 use crate::rules::record::Refusal;
 use crate::thin::Thin;
 use ltbw_core::topology::TetId;
@@ -35,10 +36,12 @@ pub(crate) struct Resumed {
     pub(crate) in_vain: Vec<Item>,
     /// The transactions of joint steps so far.
     pub(crate) spent: usize,
+    /// Subfaces that bar many.
+    pub(crate) blocks: Vec<(Block, BlockHere)>,
 }
 
-/// The items that are left to be split, and figures.
-type Parted = (Vec<Waiting>, RefineStats);
+/// The items that are left to be split, blocks, and figures.
+type Parted = (Vec<Waiting>, Vec<Block>, RefineStats);
 
 impl Rounds<'_, '_> {
     /// Leaves slivers to others, if there are as many as `few`, and works up to these.
@@ -50,6 +53,7 @@ impl Rounds<'_, '_> {
     pub(crate) fn resume(&mut self, resumed: Resumed) {
         self.front.counted = resumed.candidates;
         self.late.thin = resumed.thin;
+        self.blocks = Blocks::of(resumed.blocks);
         if let Some(slivers) = resumed.slivers {
             let vertices = |t: TetId| self.own.state.vertices(t);
             let mut slivers: Vec<Thin> = slivers.into_iter().map(|t| (t, vertices(t))).collect();
@@ -104,6 +108,6 @@ impl Rounds<'_, '_> {
             let first = own.first.filter(|first| self.demands.pending.contains_key(first));
             Waiting { item, first, near: own.near, limit: limits.get(&item).copied() }
         });
-        Ok((left.collect(), self.stats))
+        Ok((left.collect(), self.blocks_left(), self.stats))
     }
 }

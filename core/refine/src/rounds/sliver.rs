@@ -41,7 +41,7 @@ impl Rounds<'_, '_> {
     /// The slivers of the first step of these, if others are to split them.
     pub(super) fn slivers_for_others(&mut self) -> Option<Vec<Thin>> {
         let few = self.leaves_slivers?;
-        let is_first = self.late.is_at_first_slivers() && self.blocks.are_none();
+        let is_first = self.late.is_at_first_slivers();
         self.late.slivers.take_if(|slivers| is_first && slivers.len() >= few)
     }
 

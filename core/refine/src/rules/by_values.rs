@@ -1,6 +1,7 @@
 //! Verdicts on proposed points, and the rules that keep points of one round apart, from a closure
 //! alone: for engines whose mesh is on many processors.
 
+use super::block::Block;
 use super::bounded::{Bounded, ByValues};
 use super::choice::{BoundaryItem, Corner, Filled, Relabelled, Ruling};
 use super::complex::Complex;
@@ -151,12 +152,14 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         }
     }
 
-    /// Would the point take a subface out of the mesh that may not be split? (At patches others may
-    /// become subfaces in its place; that is not looked at.)
-    pub fn loses_refused(&self, past: &Past<'_>) -> bool {
-        let mut lost = self.found.inner().map(|face| Item::Subface(face.key));
-        !past.refused.is_empty()
-            && lost.any(|item| self.named(item).is_some_and(|own| past.bars(own.place()).is_some()))
+    /// The subfaces that the refused point would take out of the mesh, if they may not be split.
+    pub fn blocks(&self, past: &Past<'_>) -> Vec<Block> {
+        if past.refused.is_empty() {
+            return Vec::new();
+        }
+        let bars = |own: BoundaryItem| past.bars(own.place()).is_some();
+        let found = self.judge().blocks(|s| self.named(Item::Subface(s)).is_some_and(bars));
+        found.into_iter().map(|own| own.0).collect()
     }
 
     /// The changes that come with the point by coordinates.

@@ -11,12 +11,14 @@
 //! | `watch`, `turns` | what keeps points of one round apart, and who of those is chosen |
 //! | `sliver`, `beside`, `star` | which points are tried for a sliver, and which serves |
 //! | `record` | what came of earlier proposals |
+//! | `block` | what bars many tetrahedra of a round |
 //! | `complex`, `choice` | boundary, points, items and ranks as values |
 //! | `by_values`, `surveyed` | verdicts for a closure of which values are known |
 
 pub(crate) mod aim;
 pub(crate) mod aims;
 pub(crate) mod beside;
+pub(crate) mod block;
 pub(crate) mod bounded;
 pub(crate) mod by_values;
 pub(crate) mod choice;

@@ -41,7 +41,7 @@ impl<'p> Past<'p> {
     }
 
     /// The reason why the item at a place was refused, unless its limit allows it.
-    pub(crate) fn bars(&self, place: ItemPlace) -> Option<Reason> {
+    pub fn bars(&self, place: ItemPlace) -> Option<Reason> {
         let refusal = self.refused.get(&place)?;
         (!refusal.allows(self.limit)).then_some(refusal.reason)
     }

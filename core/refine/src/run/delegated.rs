@@ -13,6 +13,7 @@ use crate::mesh::state::{FACE, State};
 use crate::outcome::RefineStats;
 use crate::queue::split::Refinement;
 use crate::rounds::{InsertOrder, Resumed, Rounds, Waiting};
+use crate::rules::block::Block;
 use crate::rules::choice::{BoundaryItem, ItemPlace, TetPlace};
 use crate::rules::complex::{Complex, ComplexError, Start};
 use crate::rules::record::{Record, Refusal};
@@ -87,6 +88,8 @@ pub struct Handed {
     pub thin: Option<Vec<TetId>>,
     /// If rounds of slivers have begun, those that are still to be looked at.
     pub slivers: Option<Vec<TetId>>,
+    /// Subfaces that bar many.
+    pub blocks: Vec<Block>,
     /// The figures of the rounds.
     pub stats: RefineStats,
 }
@@ -108,6 +111,8 @@ pub struct Remaining {
     pub spent: usize,
     /// If slivers are what is left, all to be looked at, by their places.
     pub slivers: Option<Vec<TetPlace>>,
+    /// Subfaces that bar many.
+    pub blocks: Vec<Block>,
 }
 
 impl<'a> Refiner<'a> {
@@ -219,7 +224,7 @@ impl<'a> Delegated<'a> {
         let Run { refiner, most, stats, ref mut refinement, .. } = self.run;
         let mut rounds = Rounds::new(refinement, refiner.order, most, stats);
         rounds.resume(resumed);
-        let (left, stats) = rounds.part_circles()?;
+        let (left, blocks, stats) = rounds.part_circles()?;
         self.run.stats = stats;
         let Refinement { record, state, .. } = &self.run.refinement;
         self.spent = record.joint_transactions;
@@ -228,7 +233,7 @@ impl<'a> Delegated<'a> {
         let asked = asked.ok_or(RefineError::Invariant { what: "items have names" })?;
         let (refused, refused_tets) = state.refusals(record);
         let (spent, slivers) = (self.spent, None);
-        Ok(Remaining { asked, refused, refused_tets, candidates, spent, slivers })
+        Ok(Remaining { asked, refused, refused_tets, candidates, spent, slivers, blocks })
     }
 
     /// Takes over where late steps come before slivers, and carries out these. Others go on then
@@ -239,7 +244,9 @@ impl<'a> Delegated<'a> {
     pub fn go_to_slivers(&mut self, handed: Handed) -> Result<Option<Remaining>, RefineError> {
         let resumed = self.take(handed)?;
         let (order, start) = (self.run.refiner.order, self.start_seconds);
-        let Some(slivers) = self.run.rounds_from(order, start, Some(resumed), Some(FEW))? else {
+        let Some((slivers, blocks)) =
+            self.run.rounds_from(order, start, Some(resumed), Some(FEW))?
+        else {
             return Ok(None);
         };
         let Refinement { record, state, .. } = &self.run.refinement;
@@ -259,6 +266,7 @@ impl<'a> Delegated<'a> {
             candidates: 0,
             spent: self.spent,
             slivers: Some(slivers),
+            blocks,
         }))
     }
 
@@ -279,7 +287,7 @@ impl<'a> Delegated<'a> {
     fn take(&mut self, handed: Handed) -> Result<Resumed, RefineError> {
         let Handed { mesh, carriers, regions, asked, refused, candidates, thin, stats, .. } =
             handed;
-        let (refused_tets, slivers) = (handed.refused_tets, handed.slivers);
+        let (refused_tets, slivers, blocks) = (handed.refused_tets, handed.slivers, handed.blocks);
         let unfit = |_| RefineError::Invariant { what: "rounds of others are of a plain domain" };
         let complex = self.run.complex().map_err(unfit)?;
         let own = &mut self.run.refinement;
@@ -298,6 +306,12 @@ impl<'a> Delegated<'a> {
             let first = asked.first.and_then(|first| Some(found.get(&first)?.0));
             Some(Waiting { item, first, near, limit: asked.limit })
         };
+        let here = |block: Block| {
+            let &(item, near) = found.get(&block.place())?;
+            let here = own.state.block_at(&block, item, near)?;
+            Some((block, here))
+        };
+        let blocks = blocks.into_iter().filter_map(here).collect();
         let waiting: Option<Vec<Waiting>> = asked.iter().map(waiting).collect();
         let items: Option<Vec<_>> =
             refused.iter().map(|(place, why)| Some((found.get(place)?.0, *why))).collect();
@@ -313,7 +327,8 @@ impl<'a> Delegated<'a> {
         // Tetrahedra that no point helps have to be refused with their reasons.
         let thin = thin.filter(|_| !complex.has_angles());
         let (waiting, refused) = (waiting.ok_or_else(gone)?, refused.ok_or_else(gone)?);
-        Ok(Resumed { waiting, refused, candidates, thin, slivers, in_vain, spent: self.spent })
+        let spent = self.spent;
+        Ok(Resumed { waiting, refused, candidates, thin, slivers, in_vain, spent, blocks })
     }
 
     fn finish_from(mut self, resumed: Option<Resumed>) -> Result<Refined, RefineError> {

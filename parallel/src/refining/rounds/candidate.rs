@@ -179,6 +179,12 @@ pub(super) struct Probe {
     pub(super) was_searched: bool,
     /// Its cavity was found ahead.
     pub(super) is_ahead: bool,
+    /// If a block bars its tetrahedron: the reason why that is refused.
+    pub(super) barred: Option<Reason>,
+    /// Is its tetrahedron not to be split, since another one of its group is?
+    pub(super) follows: bool,
+    /// Do others tell of the tetrahedra beyond the sides of its own, not of its closure?
+    pub(super) asks_beyond: bool,
     /// The news of others about its closure.
     pub(super) told: Option<Box<Told>>,
     pub(super) outcome: Outcome,
@@ -212,6 +218,9 @@ impl Probe {
             open: 0,
             was_searched: false,
             is_ahead: false,
+            barred: None,
+            follows: false,
+            asks_beyond: false,
             told: None,
             outcome: Outcome::Open,
             waits: None,

@@ -216,7 +216,7 @@ impl Contest {
                 self.reserve(rank as u32);
             }
         }
-        let fate = |rank: &Option<u32>| rank.map_or(Fate::Falls, |rank| fates[rank as usize]);
+        let fate = |rank: &Option<u32>| rank.map_or(Fate::Follows, |rank| fates[rank as usize]);
         self.ranks.iter().map(|own| own.iter().map(fate).collect()).collect()
     }
 }

@@ -59,6 +59,9 @@ impl<C: Rules> Rounds<C> {
     fn yields(&mut self, mesh: &DomainMesh<'_>, k: u32) -> bool {
         let (me, id) = (self.me, self.id(k));
         let probe = &mut self.choice.probes[k as usize];
+        if probe.follows {
+            return false;
+        }
         // One that is killed waits for what becomes of its place.
         if let What::Tet(t, _) = probe.what
             && self.served.has_rival::<C>(mesh, (id, t), &probe.rank())
@@ -103,8 +106,9 @@ impl<C: Rules> Rounds<C> {
             Carrier::Corner(_) | Carrier::Free => 2,
         };
         self.points.by_class[class] += 1;
+        let p = point(&probe.to);
         self.points.made += 1;
-        let vertex = WireVertex::new(made(me, self.points.made), point(&probe.to));
+        let vertex = WireVertex::new(made(me, self.points.made), p);
         let seed = start.map_or(TetId::default(), |(t, _)| t);
         // R28.
         let relabelled = relabelled.iter().filter(|_| C::labels_walls());
@@ -112,6 +116,7 @@ impl<C: Rules> Rounds<C> {
         let point = DomainPoint::chosen(vertex, probe.carrier, seed).with_labels(walls);
         let cavity = self.served.inside(id);
         self.points.chosen.push_back(ChosenPoint { point, start, cavity });
+        self.touch_blocks(&p);
         for item in gone {
             self.tell_gone(mesh, &item);
         }

@@ -11,6 +11,7 @@ use super::stages::along_curve;
 use crate::protocol::{Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{DomainNews, Entrant};
+use rustc_hash::FxHashSet;
 
 impl<C: Rules> Rounds<C> {
     /// Are only some of the foremost tetrahedra probed, though none has its turn?
@@ -50,6 +51,9 @@ impl<C: Rules> Rounds<C> {
     /// The foremost tetrahedra with these numbers are probed.
     pub(super) fn probe_leaders(&mut self, entered: &[Foremost], numbers: &[u32]) {
         self.choice.foremost = Some(numbers.len() as i64);
+        let is_probed: FxHashSet<u32> = numbers.iter().copied().collect();
+        let others = (0..).zip(entered).filter(|own| !is_probed.contains(&own.0));
+        self.barriers.followers = others.map(|(_, own)| (own.t, own.v)).collect();
         for &Foremost { t, v, lead, .. } in numbers.iter().map(|&k| &entered[k as usize]) {
             let k = self.add_probe(What::Tet(t, v), lead, 0);
             self.choice.to_launch.push_back(k);

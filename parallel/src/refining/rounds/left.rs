@@ -35,6 +35,7 @@ impl<C: Rules> Rounds<C> {
             }
         }
         self.demands.refused.all.extend(left.refused.iter().copied());
+        self.resume_blocks(&left.blocks);
         let all = mesh.inner.tets();
         let finite = || {
             let finite = all.tets().map(|(t, _)| (t, all.vertices(t)));
@@ -55,6 +56,7 @@ impl<C: Rules> Rounds<C> {
     /// The work that is left.
     pub(super) fn into_left(self, mesh: &DomainMesh<'_>) -> Left {
         let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
+        let blocks = self.blocks_left();
         Left {
             worker: self.me,
             asked: self.demands.pending.into_values().map(left).collect(),
@@ -63,6 +65,7 @@ impl<C: Rules> Rounds<C> {
             candidates: usize::try_from(self.budget.counted).unwrap_or(0),
             thin: self.keys.thin(mesh),
             slivers: self.slivers.into_left(mesh),
+            blocks,
             ending: self.ending,
             figures: self.figures,
         }

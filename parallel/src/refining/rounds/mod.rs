@@ -11,7 +11,7 @@
 //! so that each is known to one, whoever asks for it.
 //!
 //! Work on the whole mesh is left to the engine, which takes over when nothing else is left:
-//! circles of items that wait for each other; what cannot be split, and slivers after that.
+//! circles of items that wait for each other; late steps where something cannot be split.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -23,6 +23,8 @@
 //! | `keys`, `ranked` | which tetrahedra come before all around them |
 //! | `candidate` | probes and candidates as values |
 //! | `probe` | the home's side of the choice: probes and what comes of them |
+//! | `barriers`, `blocks` | subfaces that bar many tetrahedra |
+//! | `beyond` | which sides of a tetrahedron are subfaces, where others know the regions beyond |
 //! | `leaders` | which of several with nearly equal spheres is probed |
 //! | `ahead`, `found` | cavities found while others are waited for |
 //! | `here` | closures that are all one worker's |
@@ -39,6 +41,9 @@
 //! | `ranks` | a worker in each process of a team |
 
 mod ahead;
+mod barriers;
+mod beyond;
+mod blocks;
 mod candidate;
 mod conduct;
 mod contest;
@@ -85,8 +90,8 @@ use crate::threads::{Parallel, WorkerStats};
 use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_refine::{
-    Asked, Complex, ComplexError, Delegated, Handed, ItemPlace, RefineStats, Refined, Refiner,
-    Refusal, Remaining, Start,
+    Asked, Block, Complex, ComplexError, Delegated, Handed, ItemPlace, RefineStats, Refined,
+    Refiner, Refusal, Remaining, Start,
 };
 
 /// A worker that refines a domain in rounds.
@@ -141,7 +146,7 @@ struct Resumed {
 /// The next thing when workers have ended.
 enum Then {
     /// They go on.
-    Workers(Resumed),
+    Workers(Box<Resumed>),
     /// Something is left to one processor, or nothing.
     One(Option<Box<Handed>>),
 }
@@ -167,6 +172,8 @@ struct Left {
     thin: Vec<TetId>,
     /// If rounds of slivers have begun, those of its tetrahedra that are still to be looked at.
     slivers: Option<Vec<TetId>>,
+    /// The blocks, which all keep.
+    blocks: Vec<Block>,
     ending: Option<Ending>,
     figures: RoundFigures,
 }
@@ -202,7 +209,7 @@ fn refine<'a, C: Rules>(
         let then = go_on(&mut delegated, handed, (ending, figures))?;
         told = told_of(told, ending);
         match then {
-            Then::Workers(left) => resumed = left,
+            Then::Workers(left) => resumed = *left,
             Then::One(left) => {
                 let refined = finish(delegated, left)?;
                 return Ok((refined, Ok(told), figures, firsts));
@@ -224,7 +231,7 @@ fn go_on(
         _ if handed.slivers.is_some() => return Ok(Then::One(Some(Box::new(handed)))),
         _ => delegated.go_to_slivers(handed)?,
     };
-    Ok(left.map_or(Then::One(None), |left| Then::Workers(Resumed { left, figures })))
+    Ok(left.map_or(Then::One(None), |left| Then::Workers(Box::new(Resumed { left, figures }))))
 }
 
 /// The ending that is told of, after one before: the first that left something undone.
@@ -345,7 +352,7 @@ fn join(
 ) -> Result<All, RefineError> {
     let (mut parts, mut asked, mut all_thin) = (Vec::new(), Vec::new(), Vec::new());
     let (mut refused, mut all_tets, mut all_slivers) = (Vec::new(), Vec::new(), Some(Vec::new()));
-    let (mut ending, mut candidates) = (Ending::Done, 0);
+    let (mut ending, mut candidates, mut blocks) = (Ending::Done, 0, Vec::new());
     let begin = *figures;
     let before_all = [begin.searches, begin.ahead];
     let mut sums = before_all;
@@ -365,6 +372,7 @@ fn join(
         if left.worker == WorkerId::default() {
             ending = left.ending.unwrap_or(Ending::Irregular);
             (candidates, *figures, refused) = (left.candidates, own, left.refused);
+            blocks = left.blocks;
         }
         parts.push(part);
     }
@@ -402,6 +410,7 @@ fn join(
         candidates,
         thin,
         slivers,
+        blocks,
         stats,
     };
     Ok((handed, ending, firsts))

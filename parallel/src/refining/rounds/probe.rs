@@ -6,7 +6,7 @@ use super::ranked::rank_of;
 use super::ruled::Verdict;
 use super::serve::describe;
 use super::source::Rounds;
-use super::way::{Entry, FarFace, WayEnd, labels_at, walk_way};
+use super::way::{Entry, FarFace, WayEnd, walk_way};
 use crate::protocol::table::Table;
 use crate::protocol::{Directory, Handle, Rules, Submesh, Walk, WorkerId};
 use crate::refining::domain::{DomainMesh, is_near};
@@ -42,6 +42,7 @@ impl<C: Rules> Rounds<C> {
             && attempt == 0
             && self.take_found(mesh, k, (t, v))
         {
+            self.note_barred(mesh, k);
             let nothing = (PartEnd::Found, WireClosure::default(), Vec::new());
             return self.take_part(mesh, directory, self.me, k, nothing);
         }
@@ -55,6 +56,7 @@ impl<C: Rules> Rounds<C> {
                 let probe = &mut self.choice.probes[k as usize];
                 (probe.to, probe.carrier, probe.may) = (bits(&point), carrier, may);
                 probe.open = 1;
+                self.note_barred(mesh, k);
                 let own = &self.seeker(k);
                 match &self.choice.probes[k as usize].what {
                     &What::Tet(t, v) => {
@@ -74,14 +76,10 @@ impl<C: Rules> Rounds<C> {
                 let What::Tet(t, v) = self.choice.probes[k as usize].what else {
                     return self.refuse_without_aim(mesh, k);
                 };
-                // The regions beyond tell of patches.
-                let is_known = |slot| labels_at(mesh, t, slot).is_some();
-                if mesh.complex.has_patches() && !(0..4).all(is_known) {
-                    return self.give_up(mesh, k);
+                match self.choice.probes[k as usize].sides(mesh, (t, v)) {
+                    Some(sides) => self.conclude_with(mesh, k, &sides),
+                    None => self.ask_beyond(mesh, directory, k),
                 }
-                let labels = |slot: usize| labels_at(mesh, t, slot);
-                let sides = mesh.complex.sides_of(v.map(|v| mesh.corner(v)), labels);
-                self.conclude_with(mesh, k, &sides);
             }
             Aim::Refused => self.refuse(mesh, k, Reason::Floor),
         }
@@ -125,7 +123,7 @@ impl<C: Rules> Rounds<C> {
         self.report(mesh, k);
     }
 
-    fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, first: &[BoundaryItem]) {
+    pub(super) fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, first: &[BoundaryItem]) {
         let what = &self.choice.probes[k as usize].what;
         let outcome = what.asks(mesh, first, &self.past(what));
         self.conclude(k, outcome);
@@ -147,6 +145,10 @@ impl<C: Rules> Rounds<C> {
         (start, may): (Bits, bool),
     ) {
         match walk_way(mesh, at, &start, &own.to, may) {
+            WayEnd::At(_) if self.is_barred(own.probe) => {
+                let nothing = WireClosure::default();
+                self.answer(mesh, directory, own.probe, PartEnd::Found, nothing, Vec::new());
+            }
             WayEnd::At(t) => self.serve(mesh, directory, own, &[t]),
             WayEnd::Far(FarFace { at, region }) => {
                 let owner = directory.owner(at.block);
@@ -221,7 +223,7 @@ impl<C: Rules> Rounds<C> {
         self.answer(mesh, directory, probe, PartEnd::Found, found, foreign);
     }
 
-    fn answer(
+    pub(super) fn answer(
         &mut self,
         mesh: &mut DomainMesh<'_>,
         directory: &Directory,
@@ -248,7 +250,14 @@ impl<C: Rules> Rounds<C> {
     ) {
         let probe = &mut self.choice.probes[k as usize];
         probe.open -= 1;
+        if (probe.follows || probe.barred.is_some()) && self.end_barred(mesh, (from, k), &end) {
+            return;
+        }
+        let probe = &mut self.choice.probes[k as usize];
         match end {
+            PartEnd::Found if probe.asks_beyond => {
+                return self.take_beyond(mesh, directory, (from, k), &found);
+            }
             PartEnd::Found => {}
             end if probe.sliver.is_some() => return self.end_try(mesh, directory, k, end),
             PartEnd::Blocked(item) => return self.conclude_with(mesh, k, &[item.item()]),
@@ -372,13 +381,15 @@ impl<C: Rules> Rounds<C> {
             true => self.rule_told(mesh, k),
             false => self.rule_here(mesh, k),
         };
-        let probe = &mut self.choice.probes[k as usize];
-        let has_own = match probe.what {
+        let has_own = match self.choice.probes[k as usize].what {
             What::Tet(t, _) => self.served.cavity(id).any(|other| other == t),
             What::Item(_) => true,
         };
         let outcome = match verdict {
-            Verdict::Blocked => return self.give_up(mesh, k),
+            Verdict::Blocked(reason, blocks) => {
+                self.tell_blocks(&blocks);
+                Some(Outcome::Refused(reason))
+            }
             Verdict::Is(Outcome::Fits(_)) if !has_own => None,
             Verdict::Is(outcome) => Some(outcome),
             Verdict::Useless => None,
@@ -388,6 +399,7 @@ impl<C: Rules> Rounds<C> {
             self.drop_parts(k);
             return self.retry(mesh, directory, k);
         };
+        let probe = &mut self.choice.probes[k as usize];
         let is_item = matches!(probe.what, What::Item(_));
         let fits = matches!(outcome, Outcome::Fits(_));
         if fits {

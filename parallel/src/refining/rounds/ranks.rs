@@ -143,7 +143,7 @@ impl<P: Post> Member<'_, '_, P> {
                     break (finish(delegated, left)?, Ok(ended));
                 }
                 Then::Workers(left) => {
-                    let again: Again = Some((delegated.complex()?.1, left));
+                    let again: Again = Some((delegated.complex()?.1, *left));
                     let told = self.team.tell_value(Some(again)).map_err(of_team)?;
                     resumed = told.map(|(_, resumed)| resumed).unwrap_or_default();
                 }

@@ -6,7 +6,9 @@ use super::serve::describe;
 use crate::refining::domain::{DomainMesh, WallRegion};
 use crate::refining::news::point;
 use ltbw_core::topology::TetId;
-use ltbw_refine::{BoundaryItem, Collected, ItemPlace, Past, Ruling, Survey, Surveyed, Watch};
+use ltbw_refine::{
+    Block, BoundaryItem, Collected, ItemPlace, Past, Reason, Ruling, Survey, Surveyed, Watch,
+};
 use std::collections::BTreeSet;
 
 /// The verdict on a probe's point.
@@ -15,9 +17,9 @@ pub(super) enum Verdict {
     Is(Outcome),
     /// It does not do what it was made for; another one may.
     Useless,
-    /// Its tetrahedron cannot be split, since the point would take a subface out of the mesh that
+    /// Its tetrahedron cannot be split, since the point would take subfaces out of the mesh that
     /// may not be split: from then on others are refused for that.
-    Blocked,
+    Blocked(Reason, Vec<Block>),
 }
 
 impl Probe {
@@ -52,11 +54,9 @@ impl Probe {
             }
             Ruling::Defer(first) if first.is_empty() => (Verdict::Useless, None),
             Ruling::Defer(first) => match self.what.asks(mesh, &first, past) {
-                Outcome::Refused(_)
-                    if matches!(self.what, What::Tet(..))
-                        && survey.loses_refused(&self.what.under_limit(mesh, past)) =>
-                {
-                    (Verdict::Blocked, None)
+                Outcome::Refused(reason) if matches!(self.what, What::Tet(..)) => {
+                    let blocks = survey.blocks(&self.what.under_limit(mesh, past));
+                    (Verdict::Blocked(reason, blocks), None)
                 }
                 outcome => (Verdict::Is(outcome), None),
             },

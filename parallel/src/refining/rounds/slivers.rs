@@ -14,15 +14,22 @@ use super::reserved::LazyRank;
 use super::source::{Rounds, Stage};
 use super::stages::along_curve;
 use super::tried::{Best, Now, Sliver, Slivers};
-use super::way::{Entry, WayEnd, labels_at, walk_way};
+use super::way::{Entry, WayEnd, walk_way};
 use crate::protocol::{Directory, Rules, Walk};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{PartEnd, bits, point};
-use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::TetId;
 use ltbw_refine::{
     BoundaryItem, Carrier, Collected, Rank, RankLead, SliverRuling, Tries, Try, Watch, middle,
 };
+
+/// The subface that a way has ended at, if it did.
+fn barrier(end: PartEnd) -> Option<BoundaryItem> {
+    match end {
+        PartEnd::Blocked(item) => Some(item.item()),
+        PartEnd::Found | PartEnd::Outside | PartEnd::Vertex => None,
+    }
+}
 
 impl<C: Rules> Rounds<C> {
     /// Was anything refused, as far as this worker knows? Then slivers come after other late steps.
@@ -53,7 +60,14 @@ impl<C: Rules> Rounds<C> {
         let own = list.iter().flatten().copied().filter(|&own| mesh.has(own));
         let begin = |own: Own| {
             let tries = Tries::of(own.1.map(|v| mesh.point(v)))?;
-            Some(Sliver { own, tries, now: Now::Inside, items: Vec::new(), best: None })
+            Some(Sliver {
+                own,
+                tries,
+                now: Now::Inside,
+                items: Vec::new(),
+                blocked: None,
+                best: None,
+            })
         };
         *all = own.filter_map(begin).collect();
         let places: Vec<_> = all.iter().map(|sliver| mesh.point(sliver.own.1[0])).collect();
@@ -85,10 +99,13 @@ impl<C: Rules> Rounds<C> {
             let (now, to, carrier) = match mesh.complex.next_try(&mut sliver.tries) {
                 Try::Inside(p) => (Now::Inside, p, Carrier::Free),
                 Try::Look(Some(p)) => (Now::Looking, p, Carrier::Free),
-                Try::Look(None) => match self.look_beside(mesh, n, None) {
-                    true => continue,
-                    false => return self.give_up(mesh, k),
-                },
+                Try::Look(None) => {
+                    sliver.now = Now::Looking;
+                    match self.end_way(mesh, (k, n), None) {
+                        true => continue,
+                        false => return self.ask_beyond(mesh, directory, k),
+                    }
+                }
                 Try::Beside { item, point, carrier, gives_way } => {
                     (Now::Beside { item, gives_way }, point, carrier)
                 }
@@ -99,14 +116,14 @@ impl<C: Rules> Rounds<C> {
             (probe.to, probe.carrier, probe.may) = (bits(&to), carrier, now != Now::Looking);
             match self.try_here(mesh, k, n) {
                 Some(true) => {}
-                Some(false) => return self.give_up(mesh, k),
+                Some(false) => return self.ask_beyond(mesh, directory, k),
                 None => return self.ask_others(mesh, directory, k),
             }
         }
     }
 
-    /// Tries the point of a probe if all of its closure is here; `None` if it is not, `false` if it
-    /// cannot be said what is beside the sliver.
+    /// Tries the point of a probe if all of its closure is here; `None` if it is not, `false` if
+    /// others have to tell what is beside the sliver.
     fn try_here(&mut self, mesh: &mut DomainMesh<'_>, k: u32, n: usize) -> Option<bool> {
         let Sliver { own: (t, v), now, .. } = self.slivers.all[n];
         let (to, may) = {
@@ -119,7 +136,9 @@ impl<C: Rules> Rounds<C> {
                 match walk_way(mesh, Entry { t, by: None }, &start, &to, may) {
                     WayEnd::At(seed) => seed,
                     WayEnd::Far(_) => return None,
-                    WayEnd::Not(end) => return Some(self.end_way(mesh, n, end)),
+                    WayEnd::Not(end) => {
+                        return Some(self.end_way(mesh, (k, n), barrier(end)));
+                    }
                 }
             }
             Now::Beside { .. } | Now::Taken => match mesh.seek(&point(&to), Some(t)) {
@@ -152,38 +171,40 @@ impl<C: Rules> Rounds<C> {
         probe.survey(mesh, &here).rule_on_sliver(sliver.on(), has_sliver)
     }
 
-    /// A way has ended before its point, at a subface or elsewhere; `false` if it cannot be said
-    /// what is beside the sliver.
-    fn end_way(&mut self, mesh: &DomainMesh<'_>, n: usize, end: PartEnd) -> bool {
-        let blocked = match end {
-            PartEnd::Blocked(item) => Some(item.item()),
-            PartEnd::Found | PartEnd::Outside | PartEnd::Vertex => None,
-        };
-        self.slivers.all[n].now != Now::Looking || self.look_beside(mesh, n, blocked)
-    }
-
-    /// Finds the boundary items beside a sliver, with one on the way to its centre; `false` if the
-    /// region beyond one of its sides, which may be of a patch, is not known here.
-    fn look_beside(
+    /// A way has ended before its point, at a subface or elsewhere. If it was that to the sliver's
+    /// centre, what is beside the sliver is looked for: `false` if others have to tell.
+    fn end_way(
         &mut self,
         mesh: &DomainMesh<'_>,
-        n: usize,
+        (k, n): (u32, usize),
         blocked: Option<BoundaryItem>,
     ) -> bool {
         let sliver = &mut self.slivers.all[n];
-        let (t, v) = sliver.own;
-        let is_bound = |slot: usize| OTHERS[slot].into_iter().all(|k| mesh.is_bound(v[k]));
-        let is_known = |slot: usize| !is_bound(slot) || labels_at(mesh, t, slot).is_some();
-        if mesh.complex.has_patches() && !(0..4).all(is_known) {
-            return false;
+        if sliver.now != Now::Looking {
+            return true;
         }
-        let corners = v.map(|v| mesh.corner(v));
-        let mut faces = mesh.complex.sides_of(corners, |slot| labels_at(mesh, t, slot));
-        faces.extend(blocked);
+        sliver.blocked = blocked;
+        let Some(sides) = self.choice.probes[k as usize].sides(mesh, sliver.own) else {
+            return false;
+        };
+        self.look_beside(mesh, n, sides);
+        true
+    }
+
+    /// Finds the boundary items beside a sliver, of which these are its sides, with one on the way
+    /// to its centre.
+    pub(super) fn look_beside(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        n: usize,
+        mut faces: Vec<BoundaryItem>,
+    ) {
+        let sliver = &mut self.slivers.all[n];
+        let corners = sliver.own.1.map(|v| mesh.corner(v));
+        faces.extend(sliver.blocked.take());
         let barred_by = std::mem::take(&mut sliver.items);
         sliver.items = mesh.complex.items_beside(corners, faces, barred_by);
         sliver.tries.beside(sliver.items.clone());
-        true
     }
 
     fn take_ruling(&mut self, k: u32, n: usize, ruling: SliverRuling) {
@@ -200,7 +221,7 @@ impl<C: Rules> Rounds<C> {
     }
 
     /// A probe that nobody knows of yet takes the place of one of which others have a part.
-    fn anew(&mut self, k: u32) -> u32 {
+    pub(super) fn anew(&mut self, k: u32) -> u32 {
         let probe = &self.choice.probes[k as usize];
         let (to, carrier, may) = (probe.to, probe.carrier, probe.may);
         let is_new = probe.told.is_none() && self.served.part(self.id(k)).is_none();
@@ -239,10 +260,13 @@ impl<C: Rules> Rounds<C> {
         end: PartEnd,
     ) {
         let Some(n) = self.sliver_of(k) else { return };
-        // The best point was found before, in this mesh.
-        match self.slivers.all[n].now != Now::Taken && self.end_way(mesh, n, end) {
+        if self.slivers.all[n].now == Now::Taken {
+            // The best point was found before, in this mesh.
+            return self.give_up(mesh, k);
+        }
+        match self.end_way(mesh, (k, n), barrier(end)) {
             true => self.try_on(mesh, directory, k),
-            false => self.give_up(mesh, k),
+            false => self.ask_beyond(mesh, directory, k),
         }
     }
 

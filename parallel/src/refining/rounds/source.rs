@@ -1,5 +1,6 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
+use super::barriers::Barriers;
 use super::candidate::{ChosenPoint, Probe};
 use super::contest::Conductor;
 use super::demands::{Demands, Pending};
@@ -152,6 +153,7 @@ pub struct Rounds<C = Correct> {
     pub(super) choice: Choice,
     pub(super) points: Points,
     pub(super) demands: Demands,
+    pub(super) barriers: Barriers,
     pub(super) slivers: Slivers,
     pub(super) conductor: Conductor,
     pub(super) counts: Counts,
@@ -193,6 +195,7 @@ impl<C: Rules> Rounds<C> {
             choice: Choice::default(),
             points: Points::default(),
             demands: Demands::default(),
+            barriers: Barriers::default(),
             slivers: Slivers::default(),
             conductor: Conductor::default(),
             counts: Counts::default(),
@@ -380,13 +383,25 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                     seeds.iter().filter_map(|handle| mesh.resolve(handle.name)).collect();
                 self.serve(mesh, directory, &own.into(), &seeds);
             }
+            DomainNews::Beyond { probe, at } => self.tell_beyond(mesh, directory, probe, &at),
             DomainNews::Part { number, end, found, foreign } => {
                 self.take_part(mesh, directory, from, number, (end, found, foreign));
             }
             DomainNews::Entrants(entrants) => self.take_entrants(mesh, from, entrants),
             DomainNews::Launch(numbers) => self.take_launch(numbers),
             DomainNews::Report(report) => self.take_report(from, report),
-            DomainNews::Fates(fates) => self.choice.fates = Some(Some(fates)),
+            DomainNews::Fates(fates) => {
+                self.note_followers(&fates);
+                self.choice.fates = Some(Some(fates));
+            }
+            DomainNews::Blocks(blocks) => {
+                self.counts.notes -= 1;
+                self.take_blocks(blocks);
+            }
+            DomainNews::Unblocked(places) => {
+                self.counts.releases -= 1;
+                self.forget_blocks(&places);
+            }
             // Told by sources without rounds alone.
             DomainNews::Ended(_) => {}
             DomainNews::Void(probe) => {

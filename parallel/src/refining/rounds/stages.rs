@@ -36,6 +36,7 @@ const OPEN: usize = 4;
 const CANDIDATES: usize = 5;
 const CANCELLED: usize = 5;
 const CHOSEN: [usize; 3] = [6, 7, 8];
+const FOLLOWERS: usize = 0;
 const NEWS: usize = 9;
 const REFUSED: usize = 9;
 
@@ -144,6 +145,7 @@ impl<C: Rules> Rounds<C> {
             }
             Stage::Choosing => {
                 sums[CANDIDATES] = self.choice.fits;
+                sums[FOLLOWERS] = self.barriers.followers.len() as i64;
                 sums[FOREMOST] = self.choice.foremost.unwrap_or(0);
                 sums[OPEN] = self.counts.notes;
                 sums[IRREGULAR] = i64::from(self.is_irregular);
@@ -226,6 +228,9 @@ impl<C: Rules> Rounds<C> {
             }
             (false, _) => {}
         }
+        if self.begins_second(mesh, sums[FOLLOWERS]) {
+            return;
+        }
         self.slivers.carry_out();
         self.begin_to_decide(mesh);
         self.end_decisions();
@@ -284,6 +289,7 @@ impl<C: Rules> Rounds<C> {
         self.choice.has_boundary = has_boundary;
         (self.choice.foremost, self.choice.entered) = (None, None);
         if has_tets {
+            self.check_blocks();
             self.add_foremost(mesh);
         }
         if self.has_turns(mesh) {
@@ -350,6 +356,7 @@ impl<C: Rules> Rounds<C> {
             self.send(keeper, DomainNews::Release(waiter));
         }
         self.tell_refusals(&refused);
+        self.tell_touched();
         self.demands.release();
         self.stage = Stage::Looking;
         // R21: one that has not waited for the others is told now.

@@ -27,6 +27,8 @@ pub(super) struct Sliver {
     pub(super) now: Now,
     /// The boundary items that points are tried on; before, those that keep points inside away.
     pub(super) items: Vec<BoundaryItem>,
+    /// The item on the way to its centre, until others have told of its sides.
+    pub(super) blocked: Option<BoundaryItem>,
     pub(super) best: Option<Best>,
 }
 

@@ -142,8 +142,9 @@ impl<C: Rules> Rounds<C> {
             match fate {
                 Fate::Stands => self.carry_out(mesh, k),
                 Fate::Barred => self.choice.probes[k as usize].was_searched = false,
-                Fate::Falls => {}
+                Fate::Falls | Fate::Follows => {}
             }
         }
+        self.refuse_followers(mesh);
     }
 }

@@ -3,10 +3,11 @@
 //! | sent in | kinds | taken before |
 //! |---|---|---|
 //! | `Looking`, `Exchanging` | `Keys` | `Counting` ends |
-//! | `Choosing` | `Way`, `Seek`, `Search`, `Part`, `Void`, `WantRivals` | `Choosing` ends |
+//! | `Choosing` | `Way`, `Seek`, `Search`, `Beyond`, `Part`, `Blocks` | `Choosing` ends |
+//! | `Choosing` | `Void`, `WantRivals` | `Choosing` ends |
 //! | `Choosing`, in turns | `Entrants`, `Launch`, `Report`, `Fates` | `Choosing` ends |
 //! | `Deciding` | `Rivals`, `Ask`, `Gone` | `Inserting` ends |
-//! | the end of `Inserting` | `Release`, `Refused` | the next `Counting` ends |
+//! | the end of `Inserting` | `Release`, `Refused`, `Unblocked` | the next `Counting` ends |
 //!
 //! Some are counted, so that the barrier is repeated; the others are awaited by workers that do not
 //! speak before. Checkers ask both of every state: a kind that nobody counts or awaits would be
@@ -53,10 +54,10 @@ const KINDS: [&str; NEXT_PROBES + DECISIONS - PROBES] = {
 };
 // The places of the first of each row.
 const PROBES: usize = 1;
-const DECISIONS: usize = 11;
-const RELEASES: usize = 14;
-const NEXT_KEYS: usize = 16;
-const NEXT_PROBES: usize = 17;
+const DECISIONS: usize = 13;
+const RELEASES: usize = 16;
+const NEXT_KEYS: usize = 19;
+const NEXT_PROBES: usize = 20;
 
 impl Stage {
     /// The kinds of which none may be under way while a worker is in this stage. One that has not
