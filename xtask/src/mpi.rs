@@ -1,9 +1,11 @@
 //! `mpi`: the program of `parallel/mpi`: its tests, and its runs by `mpirun` beside `ltbw`, each
 //! under a watchdog: one hash on any number of processes, over shared memory and over TCP, in time
-//! and late; what it refuses; what comes of processes that panic, are killed or are stopped.
+//! and late; what it refuses; what comes of processes that panic, are killed or are stopped; jobs
+//! that go on from the checkpoint of one that has lost a process.
 
 mod faults;
 mod readers;
+mod resumed;
 
 use crate::require;
 use crate::shell::{self, cargo, command, root, target};
@@ -100,7 +102,7 @@ pub(crate) fn run(rest: &[String]) -> Result<(), String> {
         }
     }
     println!("{} inputs, {runs} runs: one hash each", inputs.len());
-    let count = faults::run(&bench)?;
+    let count = faults::run(&bench)? + resumed::run(&bench)?;
     println!("{count} refusals and faults: each with its word and its code");
     Ok(())
 }
