@@ -57,6 +57,9 @@ type Again = Option<(Start, Resumed)>;
 /// That state at a checkpoint, with the figures of the refinement so far.
 type Kept = (Start, Resumed, RefineStats);
 
+/// A function that takes the number of rounds so far, and a checkpoint.
+type Keep<'k> = &'k dyn Fn(u64, &[u8]);
+
 /// The checkpoints of a refinement in rounds: those of the first member count.
 #[derive(Clone, Copy, Default)]
 pub struct Checkpoints<'k> {
@@ -65,7 +68,7 @@ pub struct Checkpoints<'k> {
     /// The one to go on from: of this domain and these bounds, and of this build.
     pub from: Option<&'k [u8]>,
     /// Takes each, with the number of rounds before it.
-    pub keep: Option<&'k dyn Fn(u64, &[u8])>,
+    pub keep: Option<Keep<'k>>,
 }
 
 impl std::fmt::Debug for Checkpoints<'_> {
@@ -158,7 +161,7 @@ impl<P: Post> Member<'_, '_, P> {
         mut delegated: Delegated<'_>,
         is_stopped: bool,
         mut from: Again,
-        keep: Option<&dyn Fn(u64, &[u8])>,
+        keep: Option<Keep<'_>>,
     ) -> Result<ThreadedRounds, RefineError> {
         let (mut resumed, mut firsts, mut workers) = (Resumed::default(), Vec::new(), Vec::new());
         let mut ended = Ending::Done;
