@@ -23,6 +23,7 @@ mod refine_surfaces;
 mod refine_workers;
 mod regressions;
 mod removed;
+mod resumed;
 mod rug;
 mod rules;
 mod sliced;

@@ -6,7 +6,7 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::LocalMesh;
 use ltbw::protocol::WorkerId;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
-use ltbw::refining::{DomainMesh, Ending, RoundFigures, rounds_on_team};
+use ltbw::refining::{Checkpoints, DomainMesh, Ending, RoundFigures, rounds_on_team};
 use ltbw::team::{Kind, LONGEST, Post, Team};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::transport::Mail;
@@ -116,7 +116,8 @@ fn on_teams(name: &str, refiner: &Refiner<'_>, ready: &Prepared) -> Vec<Rounds> 
     let run = |members: u32| {
         let ends = on_team(members, |team| {
             let (token, parallel) = (CancelToken::new(), Parallel::new(members));
-            rounds_on_team(refiner, whole, (&parallel.cancel(&token), &token), team)
+            let threads = (&parallel.cancel(&token), &token);
+            rounds_on_team(refiner, whole, threads, team, Checkpoints::default())
         });
         let mut ends = ends.into_iter().map(|end| end.expect("a mesh"));
         let first = ends.next().flatten().expect("the first member's mesh");
@@ -195,7 +196,8 @@ fn a_refinement_that_is_stopped_at_one_member_is_stopped() {
             }
             let refiner = refiner.cancel(&token);
             let whole = (&ready.domain, &ready.lattice);
-            rounds_on_team(&refiner, whole, (&parallel.cancel(&token), &token), team)
+            let threads = (&parallel.cancel(&token), &token);
+            rounds_on_team(&refiner, whole, threads, team, Checkpoints::default())
         });
         let first = ends.into_iter().next().expect("the first member");
         match first {
@@ -220,7 +222,8 @@ fn letters() -> [Vec<Vec<u8>>; 2] {
     let of_domain = recorded(3, Kind::Mail, |team| {
         let (token, parallel) = (CancelToken::new(), Parallel::new(3));
         let whole = (&ready.domain, &ready.lattice);
-        rounds_on_team(&refiner, whole, (&parallel, &token), team).expect("a mesh");
+        let none = Checkpoints::default();
+        rounds_on_team(&refiner, whole, (&parallel, &token), team, none).expect("a mesh");
     });
     [of_points, of_domain.concat()]
 }

@@ -157,11 +157,12 @@ Lints, builds and tests the C interface: header, examples under valgrind, by pkg
     },
     Command {
         name: "mpi",
-        takes: "[--ranks 1,2,3,4] [--readers]",
+        takes: "[--ranks 1,2,3,4] [--readers] [--validate]",
         what: "\
 Builds and runs the program of parallel/mpi by mpirun: the hashes of ltbw, over shared memory and
-TCP, in time and late; refusals and faults; what it writes in parts, with --readers read by Gmsh,
-VTK and MFEM.",
+TCP, in time and late; refusals, faults and checkpoints; what it writes in parts, with --readers
+read by Gmsh, VTK and MFEM. With --validate alone: two processes with late mails beside the
+simulator.",
         time: "7 minutes",
         tools: "mpirun, mpicc, clang; pip for --readers",
         output: "one line for all hashes, one for the faults",

@@ -1,9 +1,12 @@
 //! `mpi`: the program of `parallel/mpi`: its tests, and its runs by `mpirun` beside `ltbw`, each
 //! under a watchdog: one hash on any number of processes, over shared memory and over TCP, in time
-//! and late; what it refuses; what comes of processes that panic, are killed or are stopped.
+//! and late; what it refuses; what comes of processes that panic, are killed or are stopped; jobs
+//! that go on from the checkpoint of one that has lost a process.
 
 mod faults;
 mod readers;
+mod resumed;
+mod validate;
 
 use crate::require;
 use crate::shell::{self, cargo, command, root, target};
@@ -66,9 +69,10 @@ pub(crate) struct Input {
 
 /// Builds and runs.
 pub(crate) fn run(rest: &[String]) -> Result<(), String> {
-    let is_reader = |word: &String| word == "--readers";
-    let has_readers = rest.iter().any(is_reader);
-    let rest: Vec<String> = rest.iter().filter(|word| !is_reader(word)).cloned().collect();
+    let has = |option: &str| rest.iter().any(|word| word == option);
+    let [has_readers, validates] = ["--readers", "--validate"].map(has);
+    let is_other = |word: &&String| !["--readers", "--validate"].contains(&word.as_str());
+    let rest: Vec<String> = rest.iter().filter(is_other).cloned().collect();
     let ranks = ranks(&rest)?;
     let tools: [(&str, &[&str]); 2] = [("mpirun", &["--version"]), ("mpicc", &["--version"])];
     for (tool, arguments) in tools {
@@ -79,6 +83,9 @@ pub(crate) fn run(rest: &[String]) -> Result<(), String> {
         }
     }
     let bench = Bench::build()?;
+    if validates {
+        return validate::run(&bench);
+    }
     let inputs = bench.inputs()?;
     let mut runs = 0;
     for input in &inputs {
@@ -100,7 +107,7 @@ pub(crate) fn run(rest: &[String]) -> Result<(), String> {
         }
     }
     println!("{} inputs, {runs} runs: one hash each", inputs.len());
-    let count = faults::run(&bench)?;
+    let count = faults::run(&bench)? + resumed::run(&bench)?;
     println!("{count} refusals and faults: each with its word and its code");
     Ok(())
 }
@@ -114,7 +121,7 @@ fn ranks(rest: &[String]) -> Result<Vec<u32>, String> {
             let all: Option<Vec<u32>> = list.split(',').map(number).collect();
             all.ok_or_else(|| format!("--ranks {list}: numbers, with commas"))
         }
-        _ => Err("cargo xtask mpi [--ranks 1,2,3,4] [--readers]".to_owned()),
+        _ => Err("cargo xtask mpi [--ranks 1,2,3,4] [--readers] [--validate]".to_owned()),
     }
 }
 

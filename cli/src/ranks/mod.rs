@@ -5,7 +5,9 @@
 //! told of, once, and all end with its exit code. Afterwards a failure of one is the end
 //! of all ([`Ended::Alone`]).
 
+mod checkpoint;
 mod options;
 mod team;
 
+pub use checkpoint::Checkpoint;
 pub use team::{Ended, Judge, run};

@@ -1,5 +1,6 @@
 //! A process as one of a team: how it begins, agrees with the others, and ends.
 
+use super::checkpoint::{Checkpoint, Job};
 use crate::args::{Args, Command};
 use crate::binding::sha256;
 use crate::others::{Apart, Ranks, of_rank};
@@ -11,7 +12,7 @@ use ltbw::domain::{Prepared, Thickness};
 use ltbw::io::{Border, Piece};
 use ltbw::protocol::WorkerId;
 use ltbw::refine::Refiner;
-use ltbw::refining::{RefineError, ThreadedRounds, rounds_on_team};
+use ltbw::refining::{Checkpoints, RefineError, ThreadedRounds, rounds_on_team};
 use ltbw::team::{LetterFigures, Post, Team, TeamError};
 use ltbw::threads::{BuiltPart, Parallel, RunError};
 use ltbw::wire::{VERSION, WireError};
@@ -54,6 +55,25 @@ struct Member<'t, P> {
     has_agreed: Cell<bool>,
     /// The team is not one any more.
     is_broken: Cell<bool>,
+    kept: Option<Kept>,
+}
+
+/// The checkpoints of a job, at the first process.
+struct Kept {
+    file: Checkpoint,
+    /// The job. What it has read is known when all have agreed.
+    job: RefCell<Job>,
+    /// The state to go on from.
+    from: RefCell<Option<Vec<u8>>>,
+}
+
+impl Kept {
+    fn of(file: Checkpoint, words: &[OsString]) -> Self {
+        let Hello { build, words } = hello(words);
+        let (words, input) = (sha256(words.join("\0").as_bytes()), String::new());
+        let job = RefCell::new(Job { build, words, input });
+        Self { file, job, from: RefCell::default() }
+    }
 }
 
 impl<P: Post> Member<'_, P> {
@@ -92,6 +112,10 @@ impl<P: Post> Ranks for Member<'_, P> {
     }
 
     fn agree(&self, fingerprint: String) -> Result<(), Failure> {
+        if let Some(Kept { file, job, from }) = &self.kept {
+            job.borrow_mut().input.clone_from(&fingerprint);
+            *from.borrow_mut() = file.load(&job.borrow())?;
+        }
         self.speak(&Word::Ready(fingerprint))
     }
 
@@ -106,11 +130,23 @@ impl<P: Post> Ranks for Member<'_, P> {
         parallel: &Parallel<'_>,
         token: &CancelToken,
     ) -> Result<Option<ThreadedRounds>, RefineError> {
+        let from = self.kept.as_ref().and_then(|own| own.from.take());
+        let keep = |rounds: u64, state: &[u8]| {
+            if let Some(Kept { file, job, .. }) = &self.kept {
+                file.keep(&job.borrow(), rounds, state);
+            }
+        };
+        let checkpoints = Checkpoints {
+            every: self.kept.as_ref().map_or(0, |own| own.file.every),
+            from: from.as_deref(),
+            keep: Some(&keep),
+        };
         let refined = rounds_on_team(
             refiner,
             (&ready.domain, &ready.lattice),
             (parallel, token),
             *self.team.borrow_mut(),
+            checkpoints,
         );
         let is_lost = |error: &RefineError| {
             !matches!(error, RefineError::Build(_) | RefineError::Domain(_) | RefineError::Range)
@@ -266,8 +302,9 @@ fn introduce<P: Post>(team: &mut Team<P>, words: &[OsString]) -> Result<(), Fail
     }
 }
 
-/// Runs the program on the command line of this process, as one of a team.
-pub fn run<P: Post>(team: &mut Team<P>) -> Ended {
+/// Runs the program on the command line of this process, as one of a team. The checkpoints of the
+/// first one count.
+pub fn run<P: Post>(team: &mut Team<P>, checkpoint: Option<Checkpoint>) -> Ended {
     let words: Vec<OsString> = std::env::args_os().collect();
     let is_first = team.is_first();
     if let Err(failure) = machine::watch().and_then(|()| introduce(team, &words)) {
@@ -280,7 +317,8 @@ pub fn run<P: Post>(team: &mut Team<P>) -> Ended {
         };
     }
     let (has_agreed, is_broken) = Default::default();
-    let member = Member { team: RefCell::new(team), has_agreed, is_broken };
+    let kept = checkpoint.filter(|_| is_first).map(|file| Kept::of(file, &words));
+    let member = Member { team: RefCell::new(team), has_agreed, is_broken, kept };
     let result = match Args::try_parse_from(&words) {
         Ok(args) => begin(args, &member, is_first),
         // All have the same words.
@@ -334,6 +372,11 @@ fn print_letters<P: Post>(team: &mut Team<P>) -> Result<(), TeamError> {
 /// Understands the command, and runs it.
 fn begin<P: Post>(mut args: Args, member: &Member<'_, P>, is_first: bool) -> Result<Exit, Failure> {
     match &mut args.command {
+        Command::Delaunay(_) if member.kept.is_some() => {
+            let text =
+                "LTBW_MPI_CHECKPOINT is for domains: the mesh of points is that of its input";
+            return Err(Failure::Usage(text.to_owned()));
+        }
         Command::Delaunay(own) => own.for_ranks(is_first)?,
         Command::Mesh(own) => own.for_ranks(is_first)?,
         Command::Refine(own) => own.mesh.for_ranks(is_first)?,

@@ -178,6 +178,7 @@ pub enum RefineOutcome {
 
 /// Figures of a refinement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RefineStats {
     /// Points inserted on segments.
     pub segment_points: u64,

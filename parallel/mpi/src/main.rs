@@ -12,7 +12,7 @@ mod post;
 mod raw;
 
 use ltbw::team::Team;
-use ltbw_cli::ranks::{Ended, run};
+use ltbw_cli::ranks::{Checkpoint, Ended, run};
 use mpi::environment::{Threading, initialize_with_threading};
 use mpi::topology::{Communicator, SimpleCommunicator};
 use post::{Mpi, Waiting};
@@ -46,7 +46,14 @@ fn main() -> ExitCode {
     let fault = asked_for("LTBW_MPI_PANIC_RANK").filter(|&asked| i64::from(rank) == asked as i64);
     let fault = fault.and(asked_for("LTBW_MPI_PANIC_LETTER"));
     let mut team = Team::new(Mpi::new(&world, waiting, fault)).latency(latency);
-    match run(&mut team) {
+    let checkpoint = match checkpoint() {
+        Ok(checkpoint) => checkpoint,
+        Err(why) => {
+            eprintln!("ltbw-mpi: rank {rank}: {why}");
+            world.abort(2);
+        }
+    };
+    match run(&mut team, checkpoint) {
         Ended::Together(code) => {
             drop(team);
             ExitCode::from(code)
@@ -54,6 +61,21 @@ fn main() -> ExitCode {
         // The others wait for this process.
         Ended::Alone(code) => world.abort(code.into()),
     }
+}
+
+/// Rounds from one checkpoint to the next, if nothing else is said.
+const EVERY: u64 = 50;
+
+/// The checkpoints that the environment asks for.
+fn checkpoint() -> Result<Option<Checkpoint>, String> {
+    let asked = std::env::var("LTBW_MPI_CHECKPOINT_ROUNDS").ok();
+    let every = match asked.as_deref().map(str::parse) {
+        None => EVERY,
+        Some(Ok(every)) if every > 0 => every,
+        _ => return Err("LTBW_MPI_CHECKPOINT_ROUNDS is no number from 1 on".to_owned()),
+    };
+    let path = std::env::var_os("LTBW_MPI_CHECKPOINT");
+    Ok(path.map(|path| Checkpoint { path: path.into(), every }))
 }
 
 /// A number of the environment, for tests: they delay letters, and plant panics.

@@ -9,7 +9,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// The longest time from a fault to the end of its job.
-const PATIENCE: Duration = Duration::from_secs(20);
+pub(super) const PATIENCE: Duration = Duration::from_secs(20);
 /// The longest time in which processes begin.
 const BEGIN: Duration = Duration::from_secs(60);
 /// The delay of mails that makes a run long: in microseconds.
@@ -121,26 +121,47 @@ fn write_program(path: &Path, bytes: &[u8]) -> Result<(), String> {
     shell::run(Command::new("chmod").arg("+x").arg(path))
 }
 
-/// A job whose process `rank` gets a signal in the midst of the insertion.
-fn signalled(bench: &Bench, rank: u32, signal: &str, more: &[&str]) -> Result<Outcome, String> {
-    let file = |rank: u32| -> PathBuf { bench.folder.join(format!("rank-{rank}.pid")) };
-    (0..2).for_each(|rank| _ = fs::remove_file(file(rank)));
+/// The file in which a process tells its number.
+fn file_of(bench: &Bench, rank: u32) -> PathBuf {
+    bench.folder.join(format!("rank-{rank}.pid"))
+}
+
+/// A job of two processes that tell their numbers, without arguments.
+pub(super) fn telling(bench: &Bench) -> Command {
+    (0..2).for_each(|rank| _ = fs::remove_file(file_of(bench, rank)));
     let script = "echo $$ > rank-$OMPI_COMM_WORLD_RANK.pid && exec \"$0\" \"$@\"";
     let mut job = bench.job(2, &[]);
-    job.env("LTBW_MPI_LATENCY_US", LATE).args(["sh", "-c", script]).arg(&bench.ranked);
-    job.args(["--progress", "json", "delaunay", "uniform-20000.npy"]).args(more);
-    let child = begin(&mut job)?;
+    job.args(["sh", "-c", script]).arg(&bench.ranked);
+    job
+}
+
+/// The number of a process of such a job, as soon as it tells.
+pub(super) fn pid_of(bench: &Bench, rank: u32) -> Option<u32> {
+    let read = || fs::read_to_string(file_of(bench, rank)).ok()?.trim().parse().ok();
+    within(BEGIN, read)
+}
+
+/// The first find within some time.
+pub(super) fn within<T>(patience: Duration, find: impl Fn() -> Option<T>) -> Option<T> {
     let clock = Instant::now();
-    let pid = loop {
-        let pid = fs::read_to_string(file(rank)).unwrap_or_default();
-        if let Ok(pid) = pid.trim().parse::<u32>() {
-            break pid;
-        }
-        if clock.elapsed() > BEGIN {
-            let ended = end(child, Duration::ZERO).err().unwrap_or_default();
-            return Err(format!("rank {rank} has not begun: {ended}"));
+    while clock.elapsed() < patience {
+        if let Some(found) = find() {
+            return Some(found);
         }
         std::thread::sleep(Duration::from_millis(5));
+    }
+    None
+}
+
+/// A job whose process `rank` gets a signal in the midst of the insertion.
+fn signalled(bench: &Bench, rank: u32, signal: &str, more: &[&str]) -> Result<Outcome, String> {
+    let mut job = telling(bench);
+    job.env("LTBW_MPI_LATENCY_US", LATE);
+    job.args(["--progress", "json", "delaunay", "uniform-20000.npy"]).args(more);
+    let child = begin(&mut job)?;
+    let Some(pid) = pid_of(bench, rank) else {
+        let ended = end(child, Duration::ZERO).err().unwrap_or_default();
+        return Err(format!("rank {rank} has not begun: {ended}"));
     };
     // The start takes a fraction of a second, the insertion with late mails many.
     std::thread::sleep(Duration::from_secs(2));
@@ -149,7 +170,7 @@ fn signalled(bench: &Bench, rank: u32, signal: &str, more: &[&str]) -> Result<Ou
 }
 
 /// Makes sure that a run has ended with this code, and has said this.
-fn expect(what: &str, outcome: &Outcome, code: i32, word: &str) -> Result<(), String> {
+pub(super) fn expect(what: &str, outcome: &Outcome, code: i32, word: &str) -> Result<(), String> {
     if outcome.code == Some(code) && outcome.stderr.contains(word) {
         println!("{what}: {code}, {:.2} s", outcome.seconds);
         return Ok(());

@@ -1,6 +1,8 @@
 //! Rounds that others carry out, on many processors: they get the mesh at the start, and hand over
 //! what they have when they are done, or at a step that takes the whole mesh.
 
+mod border;
+
 use super::{Refiner, Run, START, START_WITH_PATCHES};
 use crate::complex::carrier::Carrier;
 use crate::fill::Points;

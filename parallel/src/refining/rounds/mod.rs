@@ -73,7 +73,7 @@ mod under_way;
 mod way;
 
 #[cfg(feature = "wire")]
-pub use ranks::rounds_on_team;
+pub use ranks::{Checkpoints, rounds_on_team};
 pub use reserved::unkilled;
 pub use source::{Ending, RoundFigures, Rounds};
 pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
@@ -141,6 +141,8 @@ type AllRounds = (Refined, Result<Ending, ComplexError>, RoundFigures, Vec<usize
 struct Resumed {
     left: Remaining,
     figures: RoundFigures,
+    /// The rounds after which they stop.
+    border: Option<u64>,
 }
 
 /// The next thing when workers have ended.
@@ -226,18 +228,20 @@ fn go_on(
     (ending, figures): (Ending, RoundFigures),
 ) -> Result<Then, RefineError> {
     let left = match ending {
+        Ending::Border => Some(delegated.stop_between(handed)?),
         Ending::Circles if figures.ended < MOST_CIRCLES => Some(delegated.part_circles(handed)?),
         Ending::Cancelled => return Ok(Then::One(Some(Box::new(handed)))),
         _ if handed.slivers.is_some() => return Ok(Then::One(Some(Box::new(handed)))),
         _ => delegated.go_to_slivers(handed)?,
     };
-    Ok(left.map_or(Then::One(None), |left| Then::Workers(Box::new(Resumed { left, figures }))))
+    let resumed = |left| Then::Workers(Box::new(Resumed { left, figures, border: None }));
+    Ok(left.map_or(Then::One(None), resumed))
 }
 
 /// The ending that is told of, after one before: the first that left something undone.
 fn told_of(before: Ending, next: Ending) -> Ending {
     match before {
-        Ending::Done | Ending::Circles => next,
+        Ending::Done | Ending::Circles | Ending::Border => next,
         before => before,
     }
 }
@@ -331,6 +335,7 @@ fn begin<'c, C: Rules>(
         let mut source = Rounds::new(place, [before, start.most, others], mesh);
         source.expect_tets(start.expected_of(layout.workers));
         source.resume(mesh, &resumed.left, resumed.figures);
+        source.border = resumed.border;
         source
     };
     prepare(complex, start, &layout, config, source)

@@ -12,11 +12,12 @@ use crate::refining::RefineError;
 use crate::refining::whole::{Owners, Part};
 use crate::team::{Post, Team, TeamError};
 use crate::threads::{Parallel, RunError, WorkerStats};
+use crate::wire::{bytes_of, value_of};
 use ltbw_core::CancelToken;
 use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_exact::Mode;
-use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, Refiner, Start};
+use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, RefineStats, Refiner, Start};
 
 /// A worker's part and the work that it leaves, as they travel.
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -53,16 +54,41 @@ fn of_team(error: impl Into<TeamError>) -> RefineError {
 /// The state in which workers go on after circles were split, with the mesh as it is then.
 type Again = Option<(Start, Resumed)>;
 
+/// That state at a checkpoint, with the figures of the refinement so far.
+type Kept = (Start, Resumed, RefineStats);
+
+/// A function that takes the number of rounds so far, and a checkpoint.
+type Keep<'k> = &'k dyn Fn(u64, &[u8]);
+
+/// The checkpoints of a refinement in rounds: those of the first member count.
+#[derive(Clone, Copy, Default)]
+pub struct Checkpoints<'k> {
+    /// Rounds from one to the next. There are none if it is 0.
+    pub every: u64,
+    /// The one to go on from: of this domain and these bounds, and of this build.
+    pub from: Option<&'k [u8]>,
+    /// Takes each, with the number of rounds before it.
+    pub keep: Option<Keep<'k>>,
+}
+
+impl std::fmt::Debug for Checkpoints<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Checkpoints").field("every", &self.every).finish_non_exhaustive()
+    }
+}
+
 /// Refines a domain in rounds as one member of a team, all of whose members are given the same
 /// domain and bounds. The first one gets the mesh, the others nothing.
 ///
 /// # Errors
-/// [`RefineError`] if the domain has no mesh, or if a member has failed.
+/// [`RefineError`] if the domain has no mesh, if a member has failed, or if a checkpoint makes no
+/// sense.
 pub fn rounds_on_team<P: Post>(
     refiner: &Refiner<'_>,
     (domain, lattice): (&Domain, &Lattice),
     (parallel, cancel): (&Parallel<'_>, &CancelToken),
     team: &mut Team<P>,
+    checkpoints: Checkpoints<'_>,
 ) -> Result<Option<ThreadedRounds>, RefineError> {
     let delegated = refiner.delegate(domain, lattice);
     // A token is one process's own; whoever was stopped has another start.
@@ -72,11 +98,25 @@ pub fn rounds_on_team<P: Post>(
     }
     let stats = WorkerStats::default();
     let is_first = team.is_first();
-    let member = Member { parallel, team, stats };
+    let kept: Option<Kept> =
+        checkpoints.from.map(|bytes| value_of(team.me(), bytes)).transpose().map_err(of_team)?;
+    let (stats_then, from) = match kept {
+        Some((start, resumed, stats)) => (stats, Some((start, resumed))),
+        None => (RefineStats::default(), None),
+    };
+    let told: Option<(u64, Again)> = is_first.then_some((checkpoints.every, from));
+    let (every, from) = team.tell_value(told).map_err(of_team)?;
+    let mut member = Member { parallel, team, stats, every };
     match delegated {
-        own if is_first => member.lead(own?, is_stopped).map(Some),
+        own if is_first => {
+            let mut own = own?;
+            if let Some((_, resumed)) = &from {
+                own.go_on_from(&resumed.left, stats_then);
+            }
+            member.lead(own, is_stopped, from, checkpoints.keep).map(Some)
+        }
         _ if is_stopped => Ok(None),
-        own => member.follow(&own?).map(|()| None),
+        own => member.follow(&own?, from).map(|()| None),
     }
 }
 
@@ -85,6 +125,8 @@ struct Member<'m, 'p, P> {
     parallel: &'m Parallel<'p>,
     team: &'m mut Team<P>,
     stats: WorkerStats,
+    /// Rounds from one checkpoint to the next, if there are any.
+    every: u64,
 }
 
 /// The parts of all members, each with the work that it leaves, and the figures of all.
@@ -99,8 +141,10 @@ impl<P: Post> Member<'_, '_, P> {
         &mut self,
         complex: Complex<'c>,
         start: &Start,
-        resumed: &Resumed,
+        resumed: &mut Resumed,
     ) -> Result<((Part, Left), SharedInput), RefineError> {
+        let before = resumed.figures.rounds[0];
+        resumed.border = (self.every > 0).then(|| before.saturating_add(self.every));
         let layout = (self.parallel.plan_for(start.points.len()), self.parallel.config());
         let (nodes, common) = begin::<Correct>(complex, start, layout, resumed)?;
         let me = self.team.me();
@@ -113,15 +157,17 @@ impl<P: Post> Member<'_, '_, P> {
 
     /// The first one's: puts together what all leave, and takes over.
     fn lead(
-        mut self,
+        &mut self,
         mut delegated: Delegated<'_>,
         is_stopped: bool,
+        mut from: Again,
+        keep: Option<Keep<'_>>,
     ) -> Result<ThreadedRounds, RefineError> {
         let (mut resumed, mut firsts, mut workers) = (Resumed::default(), Vec::new(), Vec::new());
         let mut ended = Ending::Done;
         // Ends as with threads: each time at least one item of a circle is split, or refused.
         let (refined, ending) = loop {
-            let (complex, start) = match delegated.complex() {
+            let (complex, mut start) = match delegated.complex() {
                 Ok(whole) if !is_stopped => whole,
                 Ok(_) => {
                     let why = "a run that has stopped before the rounds";
@@ -129,13 +175,16 @@ impl<P: Post> Member<'_, '_, P> {
                 }
                 Err(unfit) => break (delegated.go_on()?, Err(unfit)),
             };
-            let (left, common) = self.refine(complex, &start, &resumed)?;
+            if let Some(kept) = from.take() {
+                (start, resumed) = kept;
+            }
+            let (left, common) = self.refine(complex, &start, &mut resumed)?;
             let Collected { parts: all, stats } = self.collect(left, &common)?;
             workers = stats;
             let before = (&start, delegated.stats());
             let (handed, ending, slots) = join(all, common, before, &mut resumed.figures)?;
             firsts = slots;
-            resumed.figures.ended += 1;
+            resumed.figures.ended += u64::from(ending != Ending::Border);
             ended = told_of(ended, ending);
             match go_on(&mut delegated, handed, (ending, resumed.figures))? {
                 Then::One(left) => {
@@ -143,7 +192,14 @@ impl<P: Post> Member<'_, '_, P> {
                     break (finish(delegated, left)?, Ok(ended));
                 }
                 Then::Workers(left) => {
-                    let again: Again = Some((delegated.complex()?.1, *left));
+                    let again = (delegated.complex()?.1, *left);
+                    if let (Ending::Border, Some(keep)) = (ending, keep) {
+                        let (start, left) = &again;
+                        let kept = (start, left, delegated.stats());
+                        let bytes = bytes_of(&kept, self.team.me()).map_err(of_team)?;
+                        keep(left.figures.rounds[0], &bytes);
+                    }
+                    let again: Again = Some(again);
                     let told = self.team.tell_value(Some(again)).map_err(of_team)?;
                     resumed = told.map(|(_, resumed)| resumed).unwrap_or_default();
                 }
@@ -154,15 +210,16 @@ impl<P: Post> Member<'_, '_, P> {
     }
 
     /// The others': each sends what it leaves, and goes on where the first one says.
-    fn follow(mut self, delegated: &Delegated<'_>) -> Result<(), RefineError> {
+    fn follow(&mut self, delegated: &Delegated<'_>, from: Again) -> Result<(), RefineError> {
         let Ok((complex, start)) = delegated.complex() else {
             // The first one refines it alone.
             return Ok(());
         };
-        let (mut complex, mut again) = (complex, (start, Resumed::default()));
+        let begin = from.unwrap_or_else(|| (start, Resumed::default()));
+        let (mut complex, mut again) = (complex, begin);
         // Ends with the first one's loop.
         loop {
-            let (left, _) = self.refine(complex, &again.0, &again.1)?;
+            let (left, _) = self.refine(complex, &again.0, &mut again.1)?;
             self.team.send_parcel(&Parcel::of(left, self.stats)).map_err(of_team)?;
             match self.team.tell_value(None::<Again>).map_err(of_team)? {
                 None => return Ok(()),

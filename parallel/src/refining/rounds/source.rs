@@ -37,6 +37,8 @@ pub enum Ending {
     Budget,
     /// The run was cancelled.
     Cancelled,
+    /// As many rounds were carried out as were asked for at once.
+    Border,
 }
 
 /// The figures of the rounds, of one worker or of all.
@@ -165,6 +167,8 @@ pub struct Rounds<C = Correct> {
     /// Is a probe of this worker one that rounds do not know what to do with?
     pub(super) is_irregular: bool,
     pub(super) is_cancelled: bool,
+    /// The rounds after which the workers stop.
+    pub(super) border: Option<u64>,
     pub(super) ending: Option<Ending>,
     pub(super) figures: RoundFigures,
     pub(super) rules: PhantomData<C>,
@@ -205,6 +209,7 @@ impl<C: Rules> Rounds<C> {
             spent: 0,
             is_irregular: false,
             is_cancelled: false,
+            border: None,
             ending: None,
             figures: RoundFigures::default(),
             rules: PhantomData,

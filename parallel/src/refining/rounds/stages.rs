@@ -270,6 +270,10 @@ impl<C: Rules> Rounds<C> {
         if self.slivers.has_begun() {
             return self.choose_slivers(mesh);
         }
+        // All count the rounds alike.
+        if self.border.is_some_and(|border| self.figures.rounds[0] >= border) {
+            return self.end(Ending::Border);
+        }
         self.stage = Stage::Choosing;
         self.choice.fits = 0;
         mesh.begin_round();

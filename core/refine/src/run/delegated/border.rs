@@ -1,0 +1,28 @@
+//! Rounds that others leave between two of them, and go on with: here, or in another process.
+
+use super::{Delegated, Handed, Remaining};
+use crate::RefineError;
+use crate::outcome::RefineStats;
+use crate::rules::choice::TetPlace;
+
+impl Delegated<'_> {
+    /// Takes over between two rounds. Others go on then with what they have left.
+    ///
+    /// # Errors
+    /// Those of [`Delegated::finish`].
+    pub fn stop_between(&mut self, handed: Handed) -> Result<Remaining, RefineError> {
+        let (asked, refused) = (handed.asked.clone(), handed.refused.clone());
+        let (candidates, tets) = (handed.candidates, handed.refused_tets.clone());
+        self.take(handed)?;
+        let state = &self.run.refinement.state;
+        let place = |t| TetPlace::of(state.vertices(t).map(|v| state.at(v)));
+        let refused_tets = tets.into_iter().map(|(t, why)| (place(t), why)).collect();
+        let (spent, slivers) = (self.spent, None);
+        Ok(Remaining { asked, refused, refused_tets, candidates, spent, slivers })
+    }
+
+    /// Goes on from where another process has taken over between two rounds, with these figures.
+    pub fn go_on_from(&mut self, left: &Remaining, stats: RefineStats) {
+        (self.spent, self.run.stats) = (left.spent, stats);
+    }
+}
