@@ -12,13 +12,14 @@ impl Delegated<'_> {
     /// Those of [`Delegated::finish`].
     pub fn stop_between(&mut self, handed: Handed) -> Result<Remaining, RefineError> {
         let (asked, refused) = (handed.asked.clone(), handed.refused.clone());
-        let (candidates, tets) = (handed.candidates, handed.refused_tets.clone());
+        let (candidates, blocks) = (handed.candidates, handed.blocks.clone());
+        let tets = handed.refused_tets.clone();
         self.take(handed)?;
         let state = &self.run.refinement.state;
         let place = |t| TetPlace::of(state.vertices(t).map(|v| state.at(v)));
         let refused_tets = tets.into_iter().map(|(t, why)| (place(t), why)).collect();
         let (spent, slivers) = (self.spent, None);
-        Ok(Remaining { asked, refused, refused_tets, candidates, spent, slivers })
+        Ok(Remaining { asked, refused, refused_tets, candidates, spent, slivers, blocks })
     }
 
     /// Goes on from where another process has taken over between two rounds, with these figures.
