@@ -1,6 +1,6 @@
-//! `c`: the C interface of `bindings/c`: lints, tests, header, tests and examples in C and C++ compiled and run
-//! under valgrind, one also by the pkg-config file and by CMake, the conformance kit through the library. What users
-//! install goes to `target/c/dist`.
+//! `c`: the C interface of `bindings/c`: lints, tests, header; tests and examples in C and C++
+//! compiled and run under valgrind, one also by the pkg-config file and by CMake; the conformance
+//! kit through the library. What users install goes to `target/c/dist`.
 
 use crate::require;
 use crate::shell::{self, cargo, command, root, target};

@@ -47,7 +47,8 @@ pub struct Surface {
     pub markers: *const i32,
 }
 
-/// A region with properties of its own. It does not grow: what regions may have one day comes beside.
+/// A region with properties of its own. It does not grow: what regions may have one day comes
+/// beside.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Region {
@@ -134,6 +135,24 @@ pub struct Wishes {
     /// Anything but 0: input that would be repaired, of which something would be left out or
     /// guessed, is refused.
     pub strict: i32,
+}
+
+// SAFETY: `repr(C)`, the size first, then numbers and pointers.
+unsafe impl Growing for Points {
+    const NAME: &str = "ltbw_points";
+    const FIRST: usize = size_of::<Self>();
+}
+
+// SAFETY: `repr(C)`, the size first, then numbers and pointers.
+unsafe impl Growing for Surface {
+    const NAME: &str = "ltbw_surface";
+    const FIRST: usize = size_of::<Self>();
+}
+
+// SAFETY: `repr(C)`, the size first, then numbers and pointers.
+unsafe impl Growing for Wishes {
+    const NAME: &str = "ltbw_wishes";
+    const FIRST: usize = size_of::<Self>();
 }
 
 /// The values at a pointer, which are not looked at. Null is refused, and so are more values than

@@ -22,6 +22,12 @@ pub struct Run {
     pub context: *mut c_void,
 }
 
+// SAFETY: `repr(C)`, the size first, then numbers and pointers.
+unsafe impl Growing for Run {
+    const NAME: &str = "ltbw_run";
+    const FIRST: usize = size_of::<Self>();
+}
+
 impl Run {
     /// The run that a pointer asks for.
     ///

@@ -4,8 +4,6 @@
 //! have is zero, which asks for nothing. One with a newer header hands over a longer one, whose
 //! further fields have to be zero, as nobody here knows what they ask for.
 
-use crate::input::{Points, Surface, Wishes};
-use crate::run::Run;
 use ltbw_bindings::{Class, Failure};
 use std::mem::MaybeUninit;
 
@@ -42,7 +40,7 @@ pub(crate) unsafe trait Growing: Copy {
             return Err(Failure::new(Class::Input, "argument.struct_size", text));
         }
         let own = size_of::<Self>();
-        // SAFETY: as the caller promises, so many bytes are there, beyond those that are known.
+        // SAFETY: as the caller promises, these bytes are there, beyond those that are known.
         let beyond = unsafe { pointer.cast::<u8>().add(own.min(size)) };
         for at in 0..size.saturating_sub(own) {
             // SAFETY: it is within the struct.
@@ -66,30 +64,6 @@ pub(crate) unsafe trait Growing: Copy {
     }
 }
 
-// SAFETY: `repr(C)`, the size first, then numbers and pointers.
-unsafe impl Growing for Run {
-    const NAME: &str = "ltbw_run";
-    const FIRST: usize = size_of::<Self>();
-}
-
-// SAFETY: `repr(C)`, the size first, then numbers and pointers.
-unsafe impl Growing for Points {
-    const NAME: &str = "ltbw_points";
-    const FIRST: usize = size_of::<Self>();
-}
-
-// SAFETY: `repr(C)`, the size first, then numbers and pointers.
-unsafe impl Growing for Surface {
-    const NAME: &str = "ltbw_surface";
-    const FIRST: usize = size_of::<Self>();
-}
-
-// SAFETY: `repr(C)`, the size first, then numbers and pointers.
-unsafe impl Growing for Wishes {
-    const NAME: &str = "ltbw_wishes";
-    const FIRST: usize = size_of::<Self>();
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -111,7 +85,7 @@ mod tests {
 
     /// The fields that are read, or the failure's code and message.
     fn read(bytes: &[u64]) -> Result<(u32, u64), String> {
-        // SAFETY: so many bytes are there, or the size is refused.
+        // SAFETY: the bytes are there, or the size is refused.
         match unsafe { Grown::given(bytes.as_ptr().cast()) } {
             Ok(given) => Ok(given.map(|grown| (grown.first, grown.second)).expect("not null")),
             Err(failure) => Err(format!("{}: {}", failure.code, failure.message)),
