@@ -180,7 +180,8 @@ typedef struct ltbw_surface {
 typedef double (*ltbw_size)(void *context, const double *place);
 
 /*
- A region with properties of its own. It does not grow: what regions may have one day comes beside.
+ A region with properties of its own. It does not grow: what regions may have one day comes
+ beside.
  */
 typedef struct ltbw_region {
   /*
