@@ -92,7 +92,8 @@ fn by_pkg_config(package: &Path, dist: &Path, own_target: &Path) -> Result<(), S
     cc.args(FLAGS).arg("-std=c11").arg(package.join("examples/points.c"));
     shell::run(cc.args(flags.split_whitespace()).arg("-o").arg(&program))?;
     let library = dist.join("lib");
-    shell::run(command(&program.to_string_lossy()).env("LD_LIBRARY_PATH", library))
+    let mut example = command(&program.to_string_lossy());
+    shell::run(example.current_dir(own_target).env("LD_LIBRARY_PATH", library))
 }
 
 /// Builds and runs a project of CMake that finds the package.
@@ -106,7 +107,7 @@ fn by_cmake(package: &Path, dist: &Path, own_target: &Path) -> Result<(), String
     configure.arg("-S").arg(package.join("examples/cmake")).arg("-B").arg(&folder);
     shell::run(configure.arg(format!("-DCMAKE_PREFIX_PATH={}", dist.display())))?;
     shell::run(command("cmake").arg("--build").arg(&folder))?;
-    shell::run(&mut command(&folder.join("points").to_string_lossy()))
+    shell::run(command(&folder.join("points").to_string_lossy()).current_dir(&folder))
 }
 
 /// Runs cargo in the package.
