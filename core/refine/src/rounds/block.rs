@@ -3,8 +3,7 @@
 use super::Rounds;
 use super::foremost::Foremost;
 use crate::mesh::item::Item;
-use crate::mesh::state::FACE;
-use crate::mesh::state::State;
+use crate::mesh::state::{FACE, State};
 use crate::outcome::Reason;
 use crate::rules::aim::{Aim, at_centre};
 use crate::rules::block::Block;

@@ -100,11 +100,7 @@ impl<C: Rules> Rounds<C> {
         if blocks.is_empty() || !C::shares_blocks() {
             return;
         }
-        let me = self.me;
-        for to in (0..self.workers).map(WorkerId::new).filter(|to| *to != me) {
-            self.counts.notes += 1;
-            self.send(to, DomainNews::Blocks(blocks.to_vec()));
-        }
+        self.counts.notes += self.send_to_others(&DomainNews::Blocks(blocks.to_vec()));
     }
 
     pub(super) fn take_blocks(&mut self, blocks: Vec<Block>) {
@@ -153,11 +149,7 @@ impl<C: Rules> Rounds<C> {
         if touched.is_empty() || !C::forgets_blocks() {
             return;
         }
-        let me = self.me;
-        for to in (0..self.workers).map(WorkerId::new).filter(|to| *to != me) {
-            self.counts.releases += 1;
-            self.send(to, DomainNews::Unblocked(touched.clone()));
-        }
+        self.counts.releases += self.send_to_others(&DomainNews::Unblocked(touched));
     }
 
     pub(super) fn forget_blocks(&mut self, touched: &[ItemPlace]) {

@@ -5,7 +5,7 @@
 use super::candidate::{Outcome, What};
 use super::demands::Refused;
 use super::source::Rounds;
-use crate::protocol::{Rules, WorkerId};
+use crate::protocol::Rules;
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{DomainNews, WireRefusal};
 use ltbw_refine::{ItemPlace, Past, Reason, Refusal};
@@ -51,13 +51,10 @@ impl<C: Rules> Rounds<C> {
         if told.is_empty() || !C::tells_refusals() {
             return;
         }
-        let me = self.me;
-        for to in (0..self.workers).map(WorkerId::new).filter(|to| *to != me) {
-            let wire =
-                |&(place, why): &(ItemPlace, Option<Refusal>)| (place, why.map(WireRefusal::new));
-            self.counts.releases += 1;
-            self.send(to, DomainNews::Refused(told.iter().map(wire).collect()));
-        }
+        let wire =
+            |&(place, why): &(ItemPlace, Option<Refusal>)| (place, why.map(WireRefusal::new));
+        let news = DomainNews::Refused(told.iter().map(wire).collect());
+        self.counts.releases += self.send_to_others(&news);
     }
 
     /// Another keeper tells. Nobody asks before the next round.

@@ -254,6 +254,15 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn send(&mut self, to: WorkerId, news: DomainNews) {
         self.mail.send(to, news);
     }
+
+    /// Tells all other workers; returns their number.
+    pub(super) fn send_to_others(&mut self, news: &DomainNews) -> i64 {
+        let me = self.me;
+        for to in (0..self.workers).map(WorkerId::new).filter(|to| *to != me) {
+            self.send(to, news.clone());
+        }
+        i64::from(self.workers) - 1
+    }
 }
 
 impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
