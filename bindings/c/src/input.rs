@@ -6,6 +6,7 @@ use crate::sized::Growing;
 use kernel::Point;
 use ltbw_bindings::{Class, Failure, Frame, Holes, Reins, Source};
 use std::ffi::{CStr, c_char, c_void};
+use std::mem::offset_of;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::thread::ThreadId;
@@ -140,19 +141,19 @@ pub struct Wishes {
 // SAFETY: `repr(C)`, the size first, then numbers and pointers.
 unsafe impl Growing for Points {
     const NAME: &str = "ltbw_points";
-    const FIRST: usize = size_of::<Self>();
+    const FIRST: usize = offset_of!(Self, without_count) + size_of::<usize>();
 }
 
 // SAFETY: `repr(C)`, the size first, then numbers and pointers.
 unsafe impl Growing for Surface {
     const NAME: &str = "ltbw_surface";
-    const FIRST: usize = size_of::<Self>();
+    const FIRST: usize = offset_of!(Self, markers) + size_of::<*const i32>();
 }
 
 // SAFETY: `repr(C)`, the size first, then numbers and pointers.
 unsafe impl Growing for Wishes {
     const NAME: &str = "ltbw_wishes";
-    const FIRST: usize = size_of::<Self>();
+    const FIRST: usize = offset_of!(Self, strict) + size_of::<i32>();
 }
 
 /// The values at a pointer, which are not looked at. Null is refused, and so are more values than

@@ -3,6 +3,7 @@
 use crate::sized::Growing;
 use ltbw_bindings::{Class, Failure, PATIENCE, Reins, unpanicked};
 use std::ffi::c_void;
+use std::mem::offset_of;
 
 /// Told some twenty times a second, by the calling thread: points done, of a total that is 0 where
 /// it is not known. Anything but 0 ends the work: the mesh so far is kept.
@@ -25,7 +26,7 @@ pub struct Run {
 // SAFETY: `repr(C)`, the size first, then numbers and pointers.
 unsafe impl Growing for Run {
     const NAME: &str = "ltbw_run";
-    const FIRST: usize = size_of::<Self>();
+    const FIRST: usize = offset_of!(Self, context) + size_of::<*mut c_void>();
 }
 
 impl Run {

@@ -19,7 +19,8 @@ pub(crate) unsafe trait Growing: Copy {
     /// The name in C.
     const NAME: &str;
 
-    /// The size in the first version that had the struct: none is shorter.
+    /// The end of the last field that the first version of the struct had: none is shorter. It
+    /// stays where it is when fields are added.
     const FIRST: usize;
 
     /// The struct at a pointer; none at null.
