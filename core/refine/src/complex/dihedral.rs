@@ -54,7 +54,15 @@ impl DihedralBound {
 
     /// Has a tetrahedron a dihedral angle below the bound? Never for equal. Either orientation.
     pub(crate) fn is_missed(&self, corners: [&Point; 4]) -> bool {
-        !self.is_surely_met(corners) && has_dihedral_below(corners, self.cos2)
+        !self.is_surely_met(corners) && self.sharpest_if_met(corners).is_none()
+    }
+
+    /// What [`sharpest`] tells, if no dihedral angle of a tetrahedron is below the bound.
+    pub(crate) fn sharpest_if_met(&self, corners: [&Point; 4]) -> Option<f64> {
+        let normals = Normals::of(corners);
+        let sharpest = normals.sharpest();
+        let is_surely_met = sharpest < self.cos2 - MARGIN && normals.are_sure();
+        (is_surely_met || !has_dihedral_below(corners, self.cos2)).then_some(sharpest)
     }
 
     /// Are all dihedral angles of a tetrahedron above the bound, as a short test tells? Either
@@ -77,18 +85,62 @@ impl DihedralBound {
 
 /// The square of the cosine of a tetrahedron's smallest dihedral angle, rounded; 0 if none is
 /// acute. Either orientation.
-pub(crate) fn sharpest([p, q, r, s]: [&Point; 4]) -> f64 {
-    let (a, b, c) = (minus(p, s), minus(q, s), minus(r, s));
-    let sides = [cross(&b, &c), cross(&c, &a), cross(&a, &b)];
-    let last = [0, 1, 2].map(|k| -(sides[0][k] + sides[1][k] + sides[2][k]));
-    let normals = [sides[0], sides[1], sides[2], last];
-    let squares = normals.map(|n| dot(&n, &n));
-    let pairs = (1..4).flat_map(|i| (0..i).map(move |j| (i, j)));
-    let cos2 = pairs.map(|(i, j)| {
-        let product = dot(&normals[i], &normals[j]);
-        if product < 0.0 { product * product / (squares[i] * squares[j]) } else { 0.0 }
-    });
-    cos2.fold(0.0, f64::max)
+pub(crate) fn sharpest(corners: [&Point; 4]) -> f64 {
+    Normals::of(corners).sharpest()
+}
+
+/// The normals of the faces of a tetrahedron, all outward or all inward, rounded.
+struct Normals {
+    all: [Point; 4],
+    /// Their squares.
+    squares: [f64; 4],
+    /// The square of the longest edge at the last corner: no edge is longer than two of these.
+    longest: f64,
+}
+
+/// The error of a squared cosine is smaller where normals are sure.
+const MARGIN: f64 = 1.0 / (1u64 << 24) as f64;
+
+/// The pairs of faces.
+const PAIRS: [[usize; 2]; 6] = [[1, 0], [2, 0], [2, 1], [3, 0], [3, 1], [3, 2]];
+
+impl Normals {
+    #[inline(always)]
+    fn of([p, q, r, s]: [&Point; 4]) -> Self {
+        let edges = [minus(p, s), minus(q, s), minus(r, s)];
+        let [a, b, c] = &edges;
+        let sides = [cross(b, c), cross(c, a), cross(a, b)];
+        let last = [0, 1, 2].map(|k| -(sides[0][k] + sides[1][k] + sides[2][k]));
+        let all = [sides[0], sides[1], sides[2], last];
+        let squares = all.map(|n| dot(&n, &n));
+        let longest = edges.iter().map(|e| dot(e, e)).fold(0.0, f64::max);
+        Self { all, squares, longest }
+    }
+
+    /// The square of the cosine of the smallest angle between two of the faces.
+    #[inline(always)]
+    fn sharpest(&self) -> f64 {
+        let Self { all, squares, .. } = self;
+        PAIRS.iter().fold(0.0, |most, &[i, j]| {
+            let product = dot(&all[i], &all[j]);
+            match product < 0.0 {
+                true => f64::max(most, product * product / (squares[i] * squares[j])),
+                false => most,
+            }
+        })
+    }
+
+    /// Has each squared cosine an error below [`MARGIN`]?
+    ///
+    /// With u = 2^-53 and the longest edge L, a normal has an error below 32u L². Where all are
+    /// longer than 2^-18 L² that is at most 2^-30 of each, so that a squared cosine has an error
+    /// below 2^-26, if nothing is too large or too small.
+    fn are_sure(&self) -> bool {
+        const LEAST: f64 = 16.0 / (1u64 << 36) as f64;
+        let Self { squares, longest, .. } = self;
+        let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
+        least > LEAST * (longest * longest) && least > 1e-120 && *longest < 1e60
+    }
 }
 
 #[cfg(test)]

@@ -7,14 +7,17 @@
 use super::batch::Prober;
 use super::{CHECK_EVERY, Candidate, Look, Rounds};
 use crate::complex::carrier::Carrier;
+use crate::complex::measure::in_equatorial_ball;
 use crate::mesh::item::Item;
-use crate::mesh::state::Place;
+use crate::mesh::state::{Place, State};
+use crate::mesh::survey::Survey;
 use crate::rules::sliver::{Trial, Tried, Tries, Try};
 use crate::rules::verdict::Filling;
 use crate::rules::walk::Way;
 use crate::thin::Thin;
 use ltbw_core::PredicateStats;
 use ltbw_core::topology::TetId;
+use ltbw_exact::Point;
 use rayon::prelude::*;
 
 /// Slivers that a thread looks at at a time; fewer are not worth another thread.
@@ -114,20 +117,29 @@ impl Rounds<'_, '_> {
         let state = &self.own.state;
         let v = state.vertices(t);
         let mut tries = Tries::of(v.map(|v| state.at(v)))?;
-        let (mut best, mut items) = (None, Vec::new());
+        let (mut best, mut barred) = (None, Barred::default());
+        let inside = |p: Point| match state.way(t, &p) {
+            Way::Arrived(from) => {
+                let place = Place { p, carrier: Carrier::Free, from };
+                Some(Trying { item: Item::Tet(t, v), place, gives_way: true })
+            }
+            _ => None,
+        };
         // Ends: the number of tries is bounded.
         loop {
             let trying = match tries.next(&state.plc) {
-                Try::Inside(p) => match state.way(t, &p) {
-                    Way::Arrived(from) => {
-                        let place = Place { p, carrier: Carrier::Free, from };
-                        Trying { item: Item::Tet(t, v), place, gives_way: true }
-                    }
-                    _ => continue,
+                Try::Inside(p) if barred.is_surely(state, &p) => continue,
+                Try::Inside(p) => match inside(p) {
+                    Some(trying) => trying,
+                    None => continue,
                 },
                 Try::Look(towards) => {
+                    for p in std::mem::take(&mut barred.unseen) {
+                        inside(p).map(|trying| self.try_point(t, trying, prober, &mut barred));
+                    }
+                    let items = &mut barred.by;
                     items.extend(state.beside(t, towards));
-                    state.sort(&mut items);
+                    state.sort(items);
                     items.dedup();
                     let named = items.iter().map(|&item| state.boundary_item(item));
                     tries.beside(named.collect::<Option<_>>()?);
@@ -136,11 +148,11 @@ impl Rounds<'_, '_> {
                 Try::Beside { item, point: p, carrier, gives_way } => {
                     let Some(from) = state.holder(t, &p) else { continue };
                     let place = Place { p, carrier, from };
-                    Trying { item: items[item], place, gives_way }
+                    Trying { item: barred.by[item], place, gives_way }
                 }
                 Try::Over => return best,
             };
-            let served = self.try_point(t, trying, prober, &mut items);
+            let served = self.try_point(t, trying, prober, &mut barred);
             if let Some((served, sharpest)) = served
                 && tries.take(sharpest)
             {
@@ -149,14 +161,14 @@ impl Rounds<'_, '_> {
         }
     }
 
-    /// A point for a sliver and its sharpest angle, if it serves; else `barred_by` is told of the
+    /// A point for a sliver and its sharpest angle, if it serves; else `barred` is told of the
     /// items that keep it away.
     fn try_point(
         &self,
         t: TetId,
         trying: Trying,
         prober: &mut Prober,
-        barred_by: &mut Vec<Item>,
+        barred: &mut Barred,
     ) -> Option<(Served, f64)> {
         let Trying { item, place, gives_way } = trying;
         let seen = prober.see(&self.own.state, &place, |_| false).ok()?;
@@ -168,7 +180,7 @@ impl Rounds<'_, '_> {
                 Some((Served { item, place, cavity, filling }, sharpest))
             }
             Tried::Barred(items) => {
-                barred_by.extend(items);
+                barred.note(&self.own.state, &items, seen.survey);
                 None
             }
             Tried::Fails => None,
@@ -182,4 +194,42 @@ struct Trying {
     place: Place,
     /// May it lie in no ball of another item?
     gives_way: bool,
+}
+
+/// What keeps points inside away from a sliver.
+#[derive(Default)]
+struct Barred {
+    /// The items.
+    by: Vec<Item>,
+    /// The subfaces among them: their corners, and the tetrahedra beside them.
+    subfaces: Vec<([Point; 3], [Option<TetId>; 2])>,
+    /// Points that are kept away, of which it is not known by what else.
+    unseen: Vec<Point>,
+}
+
+impl Barred {
+    fn note(&mut self, state: &State, items: &[Item], survey: &Survey<TetId>) {
+        for item in items {
+            let Item::Subface(key) = *item else { continue };
+            let own = survey.faces.iter().find(|face| face.key == key);
+            if let Some(face) = own.filter(|_| !self.by.contains(item)) {
+                self.subfaces.push((key.map(|v| state.at(v)), face.sides));
+            }
+        }
+        self.by.extend(items);
+    }
+
+    /// Does one of the subfaces keep this point away, too? It does if the point is in its ball, and
+    /// a tetrahedron beside it in the cavity. Then nothing has to be looked for.
+    fn is_surely(&mut self, state: &State, p: &Point) -> bool {
+        let is_in = |t: &TetId| state.mesh.in_conflict(*t, p);
+        let bars = |([a, b, c], sides): &([Point; 3], [Option<TetId>; 2])| {
+            in_equatorial_ball(a, b, c, p) && sides.iter().flatten().any(is_in)
+        };
+        let is_barred = self.subfaces.iter().any(bars);
+        if is_barred {
+            self.unseen.push(*p);
+        }
+        is_barred
+    }
 }

@@ -16,7 +16,7 @@ use super::star::{Made, star};
 use super::verdict::{Filling, Judge, Verdict};
 use crate::complex::angles::Angles;
 use crate::complex::carrier::{Carrier, free_point};
-use crate::complex::dihedral::{DihedralBound, sharpest};
+use crate::complex::dihedral::DihedralBound;
 use crate::complex::measure::Shape;
 use crate::complex::plc::Plc;
 use crate::mesh::bounds::Bounds;
@@ -235,11 +235,10 @@ impl<B: Bounded> Judge<'_, B> {
         let &Terms { bounds, dihedral, keeps_bounds } = terms;
         let mut most = 0.0f64;
         for Made { corners, region } in star(&self.closure, place, changes) {
-            let own = corners.each_ref();
-            if dihedral.is_missed(own) || keeps_bounds && bounds.are_over(own, region) {
+            most = most.max(dihedral.sharpest_if_met(sorted(corners).each_ref())?);
+            if keeps_bounds && bounds.are_over(corners.each_ref(), region) {
                 return None;
             }
-            most = most.max(sharpest(sorted(corners).each_ref()));
         }
         Some(most)
     }
