@@ -333,6 +333,10 @@ fn every_option_of_the_simulator_is_obeyed() {
         assert_eq!(run.code, 0, "{}", run.stderr);
         assert_eq!(json(dir.path().join("a.json"))["simulation"]["settings"][name], value);
     }
+    let run = ltbw(dir.path(), &[&base[..], &["--message", "3us"]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let costs = &json(dir.path().join("a.json"))["simulation"]["cost_model"];
+    assert_eq!([&costs["send"], &costs["receive"]], [3000.0, 3000.0]);
     for wrong in [
         &["--latency", "5"][..],
         &["--ownership", "creator", "--storm", "1ms"],

@@ -30,6 +30,9 @@ pub(crate) struct Simulate {
     /// Bandwidth of each processor's link, in Gbit/s [default: 10; 0.1 on cow]
     #[arg(long, value_name = "GBIT/S", value_parser = positive)]
     pub(crate) bandwidth: Option<f64>,
+    /// The processor time that a message takes at either end [default: 500ns; 146us on cow]
+    #[arg(long, value_name = "TIME", value_parser = nanos, hide_short_help = true)]
+    pub(crate) message: Option<u64>,
     /// About how many points (grids round up)
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     #[arg(value_parser = whole::<u32>(4..=MAX_POINTS as u64), allow_negative_numbers = true)]
@@ -124,6 +127,16 @@ pub(crate) struct Simulate {
     pub(crate) page: Option<PathBuf>,
 }
 
+impl Simulate {
+    /// The costs of work and messages.
+    pub(crate) fn costs(&self) -> CostModel {
+        let own = self.machine.costs();
+        let message = self.message.map(|ns| ns as f64);
+        let [send, receive] = [own.send, own.receive].map(|time| message.unwrap_or(time));
+        CostModel { send, receive, ..own }
+    }
+}
+
 /// The machine whose processors are simulated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Machine {
@@ -142,7 +155,7 @@ impl Machine {
         }
     }
 
-    pub(crate) fn costs(self) -> CostModel {
+    fn costs(self) -> CostModel {
         match self {
             Self::Modern => CostModel::default(),
             Self::Cow => CostModel::cow(),

@@ -204,7 +204,7 @@ fn options(args: &Simulate) -> Options {
     let machine = args.machine.network();
     Options {
         seed: args.seed,
-        costs: args.machine.costs(),
+        costs: args.costs(),
         network: Network {
             latency: args.latency.unwrap_or(machine.latency),
             distribution: args.distribution,

@@ -1,8 +1,8 @@
 //! `--validate`: runs on two processes with late mails beside the simulator's word on them.
 //!
-//! The simulator's costs are those of its machine: a run on one process tells how many times slower
-//! this one is, and virtual times are multiples of that. Mails that nobody delays take some time,
-//! too: [`SHARED`].
+//! The simulator's costs are those of its machine. A run on one process tells how many times slower
+//! this one is, and virtual times are multiples of that; a run on two with fewer points and no
+//! delay, what a mail costs that goes by MPI. All else is predicted.
 
 use super::{Bench, WATCHDOG, watched, words_of};
 use std::fs;
@@ -11,52 +11,108 @@ use std::fs;
 const DELAYS: [u32; 3] = [0, 100, 300];
 /// Microseconds that a mail through shared memory takes, with the look of a process that finds it.
 const SHARED: f64 = 2.0;
-/// Runs whose median counts, and the points of each.
+/// Runs whose median counts.
 const RUNS: usize = 5;
+/// Runs of the simulator, each with a seed of its own.
+const SEEDS: usize = 10;
+/// The points of a run, and of those that tell the costs of mails.
 const POINTS: &str = "100000";
-/// The simulator's options for what processes do unless they are told otherwise.
-const AS_PROCESSES: [&str; 4] = ["--window", "16", "--ownership", "newest"];
+const FEWER: &str = "20000";
+/// Halvings until the cost of a mail is known.
+const HALVINGS: usize = 10;
+/// The simulator's options for what processes do unless they are told otherwise: the window and the
+/// bursts of a process, which puts no point before others.
+const AS_PROCESSES: [&str; 8] =
+    ["--window", "16", "--ownership", "newest", "--poll-every", "4", "--abreast", "0"];
 /// The figures, with their units.
 const FIGURES: [&str; 3] = ["makespan, ms", "messages", "setbacks"];
 
 /// Makespan in milliseconds, messages and setbacks.
 type Figures = [f64; 3];
 
+/// What is simulated; times in the simulator's microseconds.
+#[derive(Clone, Copy)]
+struct Simulated<'a> {
+    points: &'a str,
+    processors: u32,
+    latency: f64,
+    /// A mail at either end.
+    message: f64,
+    seed: usize,
+}
+
 /// Prints a table: by delay and figure what the simulator predicts, what is measured, the ratio.
 pub(super) fn run(bench: &Bench) -> Result<(), String> {
-    let file = "validate.npy";
-    let made =
-        bench.ltbw(&words_of(&["generate", "uniform", POINTS, "--seed", "1", "-o", file]))?;
-    if made.code != Some(0) {
-        return Err(made.stderr);
+    for points in [POINTS, FEWER] {
+        let file = format!("validate-{points}.npy");
+        let words = words_of(&["generate", "uniform", points, "--seed", "1", "-o", &file]);
+        let made = bench.ltbw(&words)?;
+        if made.code != Some(0) {
+            return Err(made.stderr);
+        }
     }
-    let alone = median(bench, 1, 0)?[0];
-    let own = simulated(bench, 1, 1e-3)?[0];
+    let alone = median(bench, POINTS, 1, 0)?[0];
+    let one = Simulated { points: POINTS, processors: 1, latency: 1e-3, message: 0.5, seed: 1 };
+    let own = simulated(bench, one)?[0];
     let slower = alone / own;
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
     println!("{POINTS} points, medians of {RUNS}; load {}", load.trim());
     println!("one process: {alone:.0} ms, simulated {own:.0} ms: all costs are {slower:.2} times");
+    let two = Simulated { processors: 2, ..one };
+    let message = message_of(bench, two, slower)?;
+    println!("a mail costs {:.2} us at either end, by {FEWER} points", message * slower);
+    println!("setbacks: the mean of {SEEDS} seeds, with their standard deviation");
     println!("| delay, us | | predicted | measured | predicted / measured |");
     println!("|---|---|---|---|---|");
     for delay in DELAYS {
-        let measured = median(bench, 2, delay)?;
-        let mut predicted = simulated(bench, 2, (f64::from(delay) + SHARED) / slower)?;
-        predicted[0] *= slower;
-        for (k, name) in FIGURES.iter().enumerate() {
-            let [one, other] = [predicted[k], measured[k]];
-            println!("| {delay} | {name} | {one:.0} | {other:.0} | {:.2} |", one / other);
+        let measured = median(bench, POINTS, 2, delay)?;
+        let latency = (f64::from(delay) + SHARED) / slower;
+        let of_seed = |seed| simulated(bench, Simulated { latency, message, seed, ..two });
+        let runs: Vec<Figures> = (1..=SEEDS).map(of_seed).collect::<Result<_, _>>()?;
+        let [mut time, messages, setbacks] = [0, 1, 2].map(|k| spread(&runs, k));
+        time[0] *= slower;
+        for (k, [mean, deviation]) in [time, messages, setbacks].into_iter().enumerate() {
+            let (name, own) = (FIGURES[k], measured[k]);
+            let spread = if k == 2 { format!(" ± {deviation:.0}") } else { String::new() };
+            println!("| {delay} | {name} | {mean:.0}{spread} | {own:.0} | {:.2} |", mean / own);
         }
     }
     Ok(())
 }
 
+/// The time that a mail takes at either end, in the simulator's microseconds: that with which it
+/// predicts the makespan of fewer points on two processes without a delay.
+fn message_of(bench: &Bench, two: Simulated<'_>, slower: f64) -> Result<f64, String> {
+    let measured = median(bench, FEWER, 2, 0)?[0];
+    let (mut low, mut high) = (0.1, 50.0);
+    for _ in 0..HALVINGS {
+        let message = f64::midpoint(low, high);
+        let latency = SHARED / slower;
+        let own = simulated(bench, Simulated { points: FEWER, latency, message, ..two })?[0];
+        match own * slower < measured {
+            true => low = message,
+            false => high = message,
+        }
+    }
+    Ok(f64::midpoint(low, high))
+}
+
+/// The mean and the standard deviation of a figure.
+fn spread(runs: &[Figures], k: usize) -> [f64; 2] {
+    let count = runs.len() as f64;
+    let mean = runs.iter().map(|run| run[k]).sum::<f64>() / count;
+    let squares = runs.iter().map(|run| (run[k] - mean) * (run[k] - mean)).sum::<f64>();
+    [mean, (squares / (count - 1.0)).sqrt()]
+}
+
 /// The median of each figure of a few runs on processes.
-fn median(bench: &Bench, count: u32, delay: u32) -> Result<Figures, String> {
+fn median(bench: &Bench, points: &str, count: u32, delay: u32) -> Result<Figures, String> {
     let mut runs: Vec<Figures> = Vec::new();
+    let input = format!("validate-{points}.npy");
     for _ in 0..RUNS {
         let mut job = bench.job(count, &[]);
         job.env("LTBW_MPI_LATENCY_US", delay.to_string()).arg(&bench.ranked);
-        job.args(["--quiet", "delaunay", "validate.npy", "--check", "off"]);
+        job.args(["--quiet", "delaunay", &input, "--check", "off"]);
         let outcome = watched(job.args(["--json", "validate.json"]), WATCHDOG)?;
         if outcome.code != Some(0) {
             return Err(format!("{count} processes, {delay} us: {}", outcome.stderr));
@@ -72,12 +128,15 @@ fn median(bench: &Bench, count: u32, delay: u32) -> Result<Figures, String> {
     }))
 }
 
-/// The simulator's figures, with mails that take `latency` of its microseconds.
-fn simulated(bench: &Bench, count: u32, latency: f64) -> Result<Figures, String> {
-    let (count, latency) = (count.to_string(), format!("{:.0}ns", 1e3 * latency));
-    let command = ["simulate", "--processors", &count, "--latency", &latency, "--points", POINTS];
-    let words = [&command[..], &AS_PROCESSES, &["--json", "validate.json"]].concat();
-    let outcome = bench.ltbw(&words_of(&words))?;
+/// The simulator's figures.
+fn simulated(bench: &Bench, what: Simulated<'_>) -> Result<Figures, String> {
+    let Simulated { points, processors, latency, message, seed } = what;
+    let nanos = |us: f64| format!("{:.0}ns", 1e3 * us);
+    let (count, latency, message) = (processors.to_string(), nanos(latency), nanos(message));
+    let seed = seed.to_string();
+    let command = ["simulate", "--processors", &count, "--latency", &latency, "--points", points];
+    let costs = ["--message", &message, "--seed", &seed, "--json", "validate.json"];
+    let outcome = bench.ltbw(&words_of(&[&command[..], &AS_PROCESSES, &costs].concat()))?;
     if outcome.code != Some(0) {
         return Err(outcome.stderr);
     }
