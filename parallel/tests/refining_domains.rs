@@ -1,15 +1,17 @@
 //! Domains refined on several processors at once, without rounds: a Delaunay mesh that conforms to
 //! the domain and keeps the bounds, whatever the timing.
 
+use crate::refining_patches::surface;
 use ltbw::balance::Balance;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Correct, Rule, WorkerId};
-use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
-use ltbw::refining::{RefineError, SimulatedDomain, domain_on_threads, simulate_domain};
+use ltbw::refine::{RefineOutcome, Refined, Refiner};
+use ltbw::refining::{SimulatedDomain, domain_on_threads, simulate_domain};
 use ltbw::simulate::{Bursts, Distribution, Network, Options, RandomMigrations};
 use ltbw::threads::Parallel;
 use ltbw::{Builder, CancelToken, Point, PointSet, invariants};
+use ltbw_generate::surfaces::{single, torus, turned};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_verify::{Limits, Plc, PlcFacet, conforms};
 use std::collections::HashSet;
@@ -35,6 +37,21 @@ fn plc_of(domain: &Domain) -> Plc {
         regions: domain.regions.iter().map(|r| r.seed).collect(),
         flat_tolerance: 0.0,
     }
+}
+
+/// The mesh conforms to the domain, by the independent checker, and no more tetrahedra are over a
+/// bound than are excused.
+fn check_sound(name: &str, ready: &Prepared, refined: &Refined) {
+    use RefineOutcome::{Excused, Met};
+    assert!(matches!(refined.outcome, Met | Excused), "{name}: {:?}", refined.outcome);
+    invariants::check_all(refined.mesh()).unwrap_or_else(|defect| panic!("{name}: {defect}"));
+    let inside = refined.inside();
+    let view = ltbw_verify::Mesh::new(&inside.points, &inside.tets);
+    let options = ltbw_verify::Options { numbered_regions: true, ..Default::default() };
+    let plc = Plc { flat_tolerance: refined.stats.flat_tolerance, ..plc_of(&ready.domain) };
+    let tags = inside.tet_tags.as_deref();
+    let found = conforms(&view, &plc, tags, &Limits::default(), &options);
+    assert_eq!(found.mesh_defect_count, 0, "{name}: {:?}", found.mesh_defects.first());
 }
 
 /// The mesh conforms to the domain and keeps all bounds, by the independent checker, and is the
@@ -264,19 +281,39 @@ fn a_run_repeats_but_timing_matters() {
     assert_ne!(hash(1), hash(2));
 }
 
+/// Small angles, and facets that are coplanar within a tolerance: what is there is left to the
+/// engine, all else is the processors'.
 #[test]
-fn domains_that_only_rounds_can_refine_are_refused() {
-    let ready = prepared(DomainKind::Spike);
-    let layout = |points| (Layout::new(points, 4), Config::new(4));
-    let domain = (&ready.domain, &ready.lattice);
-    let run = |refiner: Refiner<'_>| {
-        let refiner = refiner.start(0);
-        simulate_domain::<Correct>(&refiner, domain, layout, &Options::default())
-            .map(|run| run.splits)
+fn what_is_at_small_angles_and_patches_is_left_to_the_engine() {
+    let angle = |kind, degrees| {
+        let shape = Shape { angle: Some(degrees), ..Shape::default() };
+        surface(&generate_domain(kind, &shape).expect("a shape")).0
     };
-    let of = |what| Err(RefineError::Complex(ComplexError::Unsupported(what)));
-    let angles = of("features at small angles, or too near to each other");
-    assert_eq!(run(Refiner::new()), angles);
+    let (torus, tolerance) = surface(&turned(&single(torus(10))));
+    let layout = |points| (Layout::new(points, 4), Config { window: 16, ..Config::new(4) });
+    for (name, ready, tolerance, volume, start) in [
+        ("spike", angle(DomainKind::Spike, 5.0), 0.0, 2e-4, 64),
+        ("wedge", angle(DomainKind::Wedge, 10.0), 0.0, 1e-5, 1024),
+        ("torus", torus, tolerance, 3e-5, 1024),
+    ] {
+        let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(volume).start(start);
+        let domain = (&ready.domain, &ready.lattice);
+        let run = simulate_domain::<Correct>(&refiner, domain, layout, &Options::default());
+        let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let splits = run.splits;
+        let inserted: u64 = splits.inserted.iter().sum();
+        let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+        let (tets, whole) = (run.refined.num_tets(), engine.num_tets());
+        println!(
+            "{name}: {tets} for {whole}, {splits:?}, {} in rounds",
+            run.refined.stats.round_points
+        );
+        assert!(splits.refused.iter().sum::<u64>() > 0 && inserted > 50, "{name}: {splits:?}");
+        assert!(tets * 10 > whole * 9 && tets * 10 < whole * 11, "{name}: {tets} {whole}");
+        check_sound(name, &ready, &run.refined);
+        let excused = [&run.refined, &engine].map(|own| own.excuses.len());
+        assert!(excused[0] <= excused[1] + excused[1] / 2 + 8, "{name}: {excused:?}");
+    }
 }
 
 #[test]
@@ -354,15 +391,16 @@ fn threads_take_every_setting_of_the_protocol() {
     }
 }
 
-/// Rounds take what the mode does not.
+/// On threads as on simulated processors.
 #[test]
-fn a_domain_that_only_rounds_can_refine_is_refined_by_them() {
+fn threads_leave_what_is_at_small_angles_to_the_engine() {
     let ready = prepared(DomainKind::Spike);
-    let (refiner, domain) = (Refiner::new(), (&ready.domain, &ready.lattice));
+    let (refiner, domain) =
+        (Refiner::new().max_volume(2e-5).start(0), (&ready.domain, &ready.lattice));
     let run = domain_on_threads(&refiner, domain, &Parallel::new(3)).expect("a mesh");
-    assert!(matches!(run.splits, Err(ComplexError::Unsupported(_))) && run.workers.is_empty());
-    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    assert_eq!(run.refined.mesh().hash(), engine.mesh().hash());
+    let splits = run.splits.expect("workers have split some");
+    assert!(splits.inserted[2] > 100 && run.workers.len() == 3, "{splits:?}");
+    check_sound("spike", &ready, &run.refined);
 }
 
 /// A run that is cancelled at any time ends: nobody waits for one that splits nothing any more.

@@ -9,7 +9,7 @@ use ltbw_generate::surfaces::{globe, prism, ramp, shell, single, star, torus, tu
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 
 /// A domain on its lattice, and the tolerance that its patches are flat within.
-fn surface(domain: &Domain) -> (Prepared, f64) {
+pub(crate) fn surface(domain: &Domain) -> (Prepared, f64) {
     let options = PrepareOptions { oriented: true, ..PrepareOptions::default() };
     let ready = domain.prepare(&options).expect("a sound domain");
     let tolerance = usual_tolerance(domain, &ready.domain);

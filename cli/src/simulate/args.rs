@@ -41,9 +41,6 @@ pub(crate) struct Simulate {
     #[arg(long, default_value = "uniform", value_parser = kinds())]
     pub(crate) kind: PointKind,
     /// Refine a domain: a file, or a kind as of `generate`
-    ///
-    /// Without rounds domains with small angles, or with facets that are coplanar within a
-    /// tolerance, are refused.
     #[arg(long, value_name = "FILE|KIND")]
     #[arg(conflicts_with_all = ["points", "kind", "page", "trace", "sample", "cursors", "abreast"])]
     #[arg(hide_short_help = true)]

@@ -99,8 +99,7 @@ fn refine<'a, C: Rules, R>(
 /// rounds would begin ([`Refiner::start`]). Virtual time is that of the processors, from there on.
 ///
 /// # Errors
-/// [`RefineError`] if the domain has no mesh, or one that only the rounds can refine, or if the run
-/// has not ended properly.
+/// [`RefineError`] if the domain has no mesh, or if the run has not ended properly.
 pub fn simulate_domain<C: Rules>(
     refiner: &Refiner<'_>,
     (domain, lattice): (&Domain, &Lattice),
@@ -121,8 +120,8 @@ pub fn simulate_domain<C: Rules>(
 }
 
 /// Refines a domain on the threads of `parallel`, which share no mesh, as points come, from some
-/// vertices for each on ([`Refiner::start`] says otherwise). The mesh depends on the timing. A
-/// domain that only rounds can refine is refined by these, as by [`Refiner::refine`].
+/// vertices for each on ([`Refiner::start`] says otherwise). The mesh depends on the timing. What
+/// is at small angles or patches is left to rounds at the end.
 ///
 /// # Errors
 /// [`RefineError`] if the domain has no mesh, or if a worker has failed.

@@ -336,6 +336,23 @@ impl Angles {
         first(self.of_segment.get(&s), has)
     }
 
+    /// Are two of some segments and facets related, at corners that `has` says?
+    pub(crate) fn are_related(
+        &self,
+        segments: &[u32],
+        facets: &[u32],
+        has: &impl Fn(u32) -> bool,
+    ) -> bool {
+        let pairs = |k: usize| (0..k).map(move |j| (j, k));
+        let mut both = (0..facets.len()).flat_map(pairs).map(|(j, k)| edge(facets[j], facets[k]));
+        let mut sharp =
+            (0..segments.len()).flat_map(pairs).map(|(j, k)| edge(segments[j], segments[k]));
+        let mut mixed = segments.iter().flat_map(|&s| facets.iter().map(move |&f| (s, f)));
+        both.any(|pair| first(self.facets.get(&pair), has).is_some())
+            || sharp.any(|pair| first(self.sharp.get(&pair), has).is_some())
+            || mixed.any(|pair| first(self.segments.get(&pair), has).is_some())
+    }
+
     /// Why a vertex that lives on `carrier` is related to a subsegment of `s` with the corners that
     /// `has` says, if it is.
     pub(crate) fn related_segment(

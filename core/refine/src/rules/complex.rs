@@ -71,6 +71,8 @@ impl std::fmt::Debug for Complex<'_> {
     }
 }
 
+/// The most features of a closure that are looked at in pairs.
+const MOST_FEATURES: usize = 64;
 /// The most places in a tetrahedron that tell where its parts will be.
 const MOST: f64 = 64.0;
 
@@ -212,6 +214,41 @@ impl<'a> Complex<'a> {
     ) -> Option<u32> {
         let is_on = self.has_patches && corners.iter().all(|own| own.0 != Carrier::Free);
         if is_on { self.plc.patch_at(corners, slot, labels()?) } else { None }
+    }
+
+    /// Are some features at a small angle, or too near to each other, on which vertices live that
+    /// are in one closure? Then limits tell what may be split.
+    pub fn are_related(&self, carriers: &[Carrier]) -> bool {
+        if !self.angles.relates() {
+            return false;
+        }
+        let (mut facets, mut segments) = (Vec::new(), Vec::new());
+        for carrier in carriers {
+            facets.extend_from_slice(self.plc.facets_of(carrier));
+            match *carrier {
+                Carrier::Segment(s, _) => segments.push(s),
+                Carrier::Corner(c) => segments.extend_from_slice(&self.plc.segments_at[c as usize]),
+                Carrier::Facet(_) | Carrier::Free => {}
+            }
+        }
+        for list in [&mut facets, &mut segments] {
+            list.sort_unstable();
+            list.dedup();
+        }
+        let has = |corner: u32| carriers.contains(&Carrier::Corner(corner));
+        // Where so much meets, something is related.
+        facets.len() + segments.len() > MOST_FEATURES
+            || self.angles.are_related(&segments, &facets, &has)
+    }
+
+    /// May a tetrahedron, of whose corners some live there, have a subface of a patch? Then labels
+    /// tell whether it has.
+    pub fn is_at_patch(&self, carriers: &[Carrier]) -> bool {
+        let on =
+            |f: &u32| carriers.iter().filter(|own| self.plc.facets_of(own).contains(f)).count();
+        // Of four corners at least three are on it then, so one of any two.
+        let mut facets = carriers.iter().skip(2).flat_map(|own| self.plc.facets_of(own));
+        self.has_patches && facets.any(|f| self.plc.is_patch(*f) && on(f) >= 3)
     }
 
     /// Are all four corners of a finite tetrahedron, which live there, on one patch? Then it is

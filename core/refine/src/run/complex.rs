@@ -5,7 +5,7 @@ use super::Run;
 use crate::RefineError;
 use crate::mesh::bounds::Bounds;
 use crate::mesh::item::{Item, Queues};
-use crate::mesh::state::Place;
+use crate::mesh::state::{Place, State};
 use crate::queue::split::Refinement;
 use crate::rules::aim::{Aim, Aims};
 use crate::rules::complex::{Complex, ComplexError};
@@ -22,23 +22,7 @@ impl<'a> Run<'a> {
         Ok(Complex::of(&own.state, self.fit()?.clone(), own.floor))
     }
 
-    /// The bounds of a run that others can go on with who know neither labels nor limits: those
-    /// without rounds.
-    ///
-    /// # Errors
-    /// [`ComplexError`] if there are patches or small angles.
-    pub(super) fn fit_without_rounds(&self) -> Result<(), ComplexError> {
-        let (state, no) = (&self.refinement.state, |what| Err(ComplexError::Unsupported(what)));
-        if state.plc.has_patches() {
-            return no("facets that are coplanar within a tolerance");
-        }
-        if state.angles.matter() {
-            return no("features at small angles, or too near to each other");
-        }
-        self.fit().map(|_| ())
-    }
-
-    /// The bounds of a run that others can go on with in rounds.
+    /// The bounds of a run that others can go on with.
     ///
     /// # Errors
     /// [`ComplexError`] if some of the boundary is missing.
@@ -74,7 +58,7 @@ impl Refinement<'_> {
     fn circles(&mut self, work: &mut Queues) -> Vec<Item> {
         let segments = self.state.segments.keys().map(|&s| Item::Segment(s));
         let subfaces = self.state.subfaces.keys().map(|&s| Item::Subface(s));
-        let all: Vec<Item> = segments.chain(subfaces).collect();
+        let all: Vec<Item> = segments.chain(subfaces).filter(|&i| !self.is_delicate(i)).collect();
         let mut first: Map<Item, Vec<Item>> = Map::default();
         for item in all {
             let waits = self.waits(item, work);
@@ -97,6 +81,22 @@ impl Refinement<'_> {
             false
         };
         first.keys().filter(is_in_circle).copied().collect()
+    }
+
+    /// Is an item of a patch, or at a small angle? Those who refine without rounds leave it.
+    fn is_delicate(&self, item: Item) -> bool {
+        let State { plc, angles, segments, subfaces, .. } = &self.state;
+        let has = |corner: u32| self.state.has_corner(item, corner);
+        match item {
+            Item::Segment(s) => {
+                let of = segments.get(&s);
+                of.is_some_and(|&s| angles.reason_on_segment(s, &has).is_some())
+            }
+            Item::Subface(s) => subfaces
+                .get(&s)
+                .is_some_and(|&f| plc.is_patch(f) || angles.reason_on_facet(f, &has).is_some()),
+            Item::Tet(..) => false,
+        }
     }
 
     /// The boundary items that go before one, by the point proposed first.

@@ -132,7 +132,7 @@ impl<'a> Refiner<'a> {
     }
 
     /// Refines up to where others can begin that want this many vertices, or to a quarter of what
-    /// there will be; if only rounds can refine the domain, to where these begin.
+    /// there will be.
     ///
     /// # Errors
     /// Those of [`Refiner::refine`].
@@ -153,9 +153,8 @@ impl<'a> Refiner<'a> {
         }
         let patched = run.refinement.state.plc.has_patches();
         let usual = if patched { START_WITH_PATCHES } else { START };
-        let is_for_others = wanted > 0 && run.fit_without_rounds().is_ok();
         let start = match run.refinement.state.expected / TETS_PER_VERTEX {
-            _ if !is_for_others => usual,
+            _ if wanted == 0 => usual,
             0 => usual.max(wanted),
             vertices => usual.max(wanted).min(vertices / SHARE),
         };
@@ -185,7 +184,6 @@ impl<'a> Delegated<'a> {
     /// As of [`Delegated::complex`], or if there are patches or small angles, before anything is
     /// split; a run that stops while these are, or a broken invariant.
     pub fn complex_without_circles(&mut self) -> Result<(Complex<'a>, Start), ComplexError> {
-        self.run.fit_without_rounds()?;
         self.check_fit()?;
         self.run.part_circles()?;
         self.complex()

@@ -12,6 +12,7 @@ use ltbw_refine::{
     Survey,
 };
 use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::SmallVec;
 
 /// A boundary item of a locked closure, and where it can be split.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +37,8 @@ pub(super) enum LockedRuling {
     Defer(Located),
     /// It does not do what it was made for; another one may.
     Useless,
+    /// Only those who have labels and limits may judge: it is left to the engine.
+    Leave,
 }
 
 /// The tetrahedra of a locked cavity at which something may be boundary.
@@ -47,6 +50,8 @@ pub(super) struct LockedClosure {
     /// The owners of its tetrahedra, and what these are there.
     at: Vec<(WorkerId, TetId)>,
     refused: FxHashSet<ItemKey>,
+    /// Where all vertices of the cavity live that are on the boundary.
+    bound: FxHashMap<VertexName, Carrier>,
 }
 
 impl LockedClosure {
@@ -55,13 +60,14 @@ impl LockedClosure {
         let mut own = Self::default();
         let mut numbers: FxHashMap<VertexName, u32> = FxHashMap::default();
         let all = parts.iter().flat_map(|(owner, pieces)| pieces.iter().map(move |p| (owner, p)));
+        own.bound.extend(all.clone().flat_map(|(_, told)| told.bound.iter().copied()));
         for (&owner, told) in all.filter(|(_, told)| !told.near.is_empty()) {
-            let carriers: FxHashMap<VertexName, Carrier> = told.bound.iter().copied().collect();
             for near in &told.near {
                 let v = near.v.map(|k| {
                     let Some(vertex) = told.piece.vertices.get(k as usize) else { return NOWHERE };
                     *numbers.entry(vertex.name).or_insert_with(|| {
-                        let carrier = carriers.get(&vertex.name).copied().unwrap_or(Carrier::Free);
+                        let carrier = own.bound.get(&vertex.name).copied();
+                        let carrier = carrier.unwrap_or(Carrier::Free);
                         own.closure.corners.push(Corner { point: vertex.point(), carrier });
                         own.names.push(vertex.name);
                         own.names.len() as u32 - 1
@@ -78,6 +84,9 @@ impl LockedClosure {
     /// The verdict on a point. Of several items that may go first it is the one nearest to the
     /// point: two that displace each other would else wait for each other (decision 61).
     pub(super) fn rule(&self, complex: &Complex<'_>, point: &DomainPoint) -> LockedRuling {
+        if self.is_delicate(complex, point.carrier) {
+            return LockedRuling::Leave;
+        }
         let p = point.vertex.point();
         let collected = Collected::of(&self.closure);
         let survey = Survey::of(complex, &collected, &p, point.carrier);
@@ -100,6 +109,21 @@ impl LockedClosure {
             }
             Ruling::Refuse(_) | Ruling::Useless => LockedRuling::Useless,
         }
+    }
+
+    /// Is anything of the closure of a patch, or are features related that vertices are on?
+    fn is_delicate(&self, complex: &Complex<'_>, own: Carrier) -> bool {
+        let at_patch = |(tet, _): &([u32; 4], bool)| {
+            let finite = tet.iter().filter_map(|&v| self.closure.corners.get(v as usize));
+            let carriers: SmallVec<[Carrier; 4]> = finite.map(|corner| corner.carrier).collect();
+            complex.is_at_patch(&carriers)
+        };
+        let related = || {
+            let all: Vec<Carrier> = self.bound.values().copied().chain([own]).collect();
+            complex.are_related(&all)
+        };
+        complex.has_patches() && self.closure.tets.iter().any(at_patch)
+            || complex.has_angles() && related()
     }
 
     fn defer(&self, item: &BoundaryItem) -> LockedRuling {

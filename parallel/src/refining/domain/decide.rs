@@ -90,6 +90,7 @@ impl DomainMesh<'_> {
                 (self.filled(point, parts, whereabouts, directory), End::Inserted)
             }
             LockedRuling::Defer(first) if first.is_refused => (Vec::new(), End::Barred),
+            LockedRuling::Leave => (Vec::new(), End::Barred),
             LockedRuling::Defer(first) => self.behind(point, first),
             LockedRuling::Fill | LockedRuling::Useless => (Vec::new(), End::Useless),
         };

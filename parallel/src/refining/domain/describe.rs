@@ -29,6 +29,12 @@ pub(crate) fn is_near(mesh: &DomainMesh<'_>, t: TetId) -> bool {
     }
 }
 
+/// Is splitting a tetrahedron over its bounds no help?
+pub(crate) fn is_beyond_help(mesh: &DomainMesh<'_>, t: TetId) -> bool {
+    let corners = || mesh.inner.tets().vertices(t).map(|v| mesh.corner(v));
+    mesh.complex.has_angles() && mesh.complex.is_beyond_help(corners(), mesh.region(t))
+}
+
 impl DomainMesh<'_> {
     /// The tetrahedra of a piece at which something may be boundary.
     fn near_of(&self, piece: &Piece) -> Vec<NearTet> {

@@ -1,6 +1,7 @@
 //! One worker's list of what is to be split: bad tetrahedra, and boundary items that others have
 //! asked for.
 
+use super::describe::is_beyond_help;
 use super::mesh::DomainMesh;
 use super::values::{Asked, DomainPoint, End, ItemKey};
 use crate::balance::{Balance, Workload};
@@ -355,7 +356,9 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
                 continue;
             }
             let points = corners.map(|v| mesh.point(v));
-            if mesh.complex.is_over(points.each_ref(), mesh.region(tet)) {
+            let is_over = mesh.complex.is_over(points.each_ref(), mesh.region(tet));
+            let is_flat = || mesh.complex.is_flat(|k| mesh.carrier(corners[k]));
+            if is_over && !is_flat() && !is_beyond_help(mesh, tet) {
                 self.waiting.push(Entry {
                     class: 0,
                     tries: Reverse(0),

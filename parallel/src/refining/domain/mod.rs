@@ -30,7 +30,7 @@ mod mesh;
 mod regions;
 mod values;
 
-pub(super) use describe::is_near;
+pub(super) use describe::{is_beyond_help, is_near};
 pub use list::{BadItems, Splits};
 pub use mesh::DomainMesh;
 pub(super) use values::WallRegion;

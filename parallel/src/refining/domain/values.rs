@@ -161,7 +161,7 @@ pub(super) enum End {
     Useless,
     /// A boundary item goes first. Is it this worker that splits it?
     Behind(ItemKey, bool),
-    /// A boundary item is in the way that cannot be split.
+    /// A boundary item is in the way that cannot be split, or is left to the engine.
     Barred,
 }
 

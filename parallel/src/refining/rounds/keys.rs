@@ -15,7 +15,7 @@ mod told;
 
 use super::ranked::{Own, RankedHere, places_of, rank_of};
 use crate::protocol::{BlockId, Handle, Name, Rules};
-use crate::refining::domain::DomainMesh;
+use crate::refining::domain::{DomainMesh, is_beyond_help};
 use crate::refining::flags::Flags;
 use ltbw_core::Point;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
@@ -380,12 +380,6 @@ impl SharedKeys {
             }
         })
     }
-}
-
-/// Is splitting a tetrahedron over its bounds no help?
-fn is_beyond_help(mesh: &DomainMesh<'_>, t: TetId) -> bool {
-    let corners = || mesh.inner.tets().vertices(t).map(|v| mesh.corner(v));
-    mesh.complex.has_angles() && mesh.complex.is_beyond_help(corners(), mesh.region(t))
 }
 
 /// The order of the rank of a tetrahedron over its bounds, which has this key, and another one:
