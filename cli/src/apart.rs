@@ -161,13 +161,11 @@ fn write_parts(
     task: &Task<'_>,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let in_parts = &task.outputs.in_parts;
-    if in_parts.is_empty() {
+    if task.outputs.in_parts.is_empty() {
         return Ok(());
     }
-    let _stage = Stage::begin("write");
     let point_tags = others.tags(points.slice, points.tags.as_deref(), &part.numbers)?;
-    let has_tags = point_tags.is_some();
+    let arrays = Arrays { tags: point_tags.is_some(), ..Arrays::default() };
     let mesh = TetMesh {
         points: part.points.clone(),
         tets: part.tets.clone(),
@@ -175,15 +173,30 @@ fn write_parts(
         ..TetMesh::default()
     };
     let piece = Piece { mesh, numbers: part.numbers.clone() };
-    let border = others.border(&piece)?;
-    let arrays = Arrays { tags: has_tags, ..Arrays::default() };
-    let own = Bordered { piece: &piece, border: &border };
+    write_pieces(others, &piece, arrays, task, report)
+}
+
+/// Writes a piece into each mesh in parts, with the others.
+pub(crate) fn write_pieces(
+    others: &dyn Apart,
+    piece: &Piece,
+    arrays: Arrays,
+    task: &Task<'_>,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let in_parts = &task.outputs.in_parts;
+    if in_parts.is_empty() {
+        return Ok(());
+    }
+    let _stage = Stage::begin("write");
+    let border = others.border(piece)?;
+    let own = Bordered { piece, border: &border };
     for path in in_parts {
         match io::has_slabs(path) {
             true => write_slabs(others, path, arrays, own)?,
             false => write_files(others, path, arrays, own)?,
         }
-        InParts { parts: others.size() as usize, has_tags }.wrote(path, report);
+        InParts { parts: others.size() as usize, has_tags: arrays.tags }.wrote(path, report);
     }
     Ok(())
 }

@@ -97,6 +97,17 @@ pub(crate) fn tells_all_slivers(refined: &Refined, found: &Conformity) -> bool {
     found.below_dihedral.as_ref().is_none_or(|small| small.count == told)
 }
 
+/// The limits that our own mesh has to keep, where slivers below some degrees were looked for.
+pub(crate) fn own_limits(ready: &Prepared, asked: Asked, min_dihedral: Option<f64>) -> Limits {
+    Limits {
+        radius_edge: asked.radius_edge,
+        max_volume: asked.max_volume,
+        max_edge: asked.max_edge,
+        region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
+        min_dihedral,
+    }
+}
+
 /// Checks the mesh; lists as many breaches of each kind as there are excuses, or more.
 pub(crate) fn check_own(
     inside: &TetMesh,
@@ -105,13 +116,7 @@ pub(crate) fn check_own(
     refined: &Refined,
     excuses: usize,
 ) -> Conformity {
-    let limits = Limits {
-        radius_edge: asked.radius_edge,
-        max_volume: asked.max_volume,
-        max_edge: asked.max_edge,
-        region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
-        min_dihedral: looked_for(refined),
-    };
+    let limits = own_limits(ready, asked, looked_for(refined));
     let mesh = verify::Mesh::new(&inside.points, &inside.tets);
     let plc = plc_of(ready.judged(), refined.stats.flat_tolerance);
     let tags = inside.tet_tags.as_deref();
@@ -219,6 +224,9 @@ pub(crate) fn certificate(found: &Conformity, same_volume: bool, verdict: Verdic
         "mesh_defect_count": found.mesh_defect_count,
         "mesh_defects": found.mesh_defects,
     });
+    if let Some(parts) = found.parts {
+        certificate["parts"] = json!(parts);
+    }
     if let Some(small) = &found.below_dihedral {
         certificate["below_dihedral"] = json!(small);
     }

@@ -1,9 +1,10 @@
 //! The tetrahedra that are excused: in the report and for people, by corner and segment.
 
+use crate::console;
 use crate::remedy::{remedies, rounded_up, vertices};
 use ltbw::Point;
 use ltbw::domain::Prepared;
-use ltbw::refine::{Excused, ExcusedShare, Reason, Refined, Sliver};
+use ltbw::refine::{Excused, ExcusedShare, Reason, Refined};
 use serde_json::{Value, json};
 
 /// Corners and segments that the report lists.
@@ -24,8 +25,7 @@ fn sums(all: &[Excused]) -> [(usize, usize, f64); 3] {
 }
 
 /// The excused for the report.
-pub(crate) fn json(refined: &Refined) -> Value {
-    let (all, share) = (refined.excused(), refined.excused_share());
+pub(crate) fn json(all: &[Excused], share: ExcusedShare) -> Value {
     let of = |(places, tets, volume)| json!({ "places": places, "tets": tets, "volume": volume });
     let each = |e: &Excused| {
         json!({
@@ -36,7 +36,7 @@ pub(crate) fn json(refined: &Refined) -> Value {
             "at": e.at,
         })
     };
-    let [corners, segments, elsewhere] = sums(&all).map(of);
+    let [corners, segments, elsewhere] = sums(all).map(of);
     json!({
         "corners": corners,
         "segments": segments,
@@ -47,47 +47,77 @@ pub(crate) fn json(refined: &Refined) -> Value {
     })
 }
 
-/// The slivers that are left, for the report.
-pub(crate) fn slivers_json(refined: &Refined) -> Value {
-    let each = |own: &Sliver| {
-        json!({
-            "angle": own.angle,
-            "at": refined.centroid(own.tet),
-            "near": own.near.map(|reason| reason.to_string()),
-        })
-    };
-    json!({
-        "below": refined.stats.min_dihedral,
-        "tets": refined.slivers.len(),
-        "flattest": flattest(refined).into_iter().take(LISTED).map(each).collect::<Vec<_>>(),
-    })
+/// A sliver that is left.
+pub(crate) struct SliverLeft {
+    /// Its smallest dihedral angle in degrees.
+    pub(crate) angle: f64,
+    /// Its centroid, in the coordinates of the mesh.
+    pub(crate) at: Point,
+    pub(crate) near: Option<Reason>,
 }
 
 /// The slivers that are left, the flattest first.
-fn flattest(refined: &Refined) -> Vec<&Sliver> {
-    let mut all: Vec<&Sliver> = refined.slivers.iter().collect();
-    all.sort_by(|a, b| a.angle.total_cmp(&b.angle));
-    all
+pub(crate) struct SliversLeft {
+    /// The degrees below which they are some.
+    below: f64,
+    all: Vec<SliverLeft>,
 }
 
-/// The slivers that are left, for people: their number, and where the flattest is; `None` of none.
-pub(crate) fn slivers_text(refined: &Refined, ready: &Prepared) -> Option<String> {
-    let all = flattest(refined);
-    let first = all.first()?;
-    let forced = all.iter().filter(|own| own.near.is_some()).count();
-    let forced = match forced {
-        0 => String::new(),
-        _ => format!(", {forced} of them at small angles of the domain"),
-    };
-    let near = first.near.map_or(String::new(), |reason| format!(": {reason}"));
-    let count = all.len();
-    Some(format!(
-        "{count} tetrahedra have a dihedral angle below {} degrees{forced}; the least is {} near \
-         {}{near}",
-        refined.stats.min_dihedral,
-        short(first.angle, 3),
-        told(ready, refined.centroid(first.tet))
-    ))
+impl SliversLeft {
+    pub(crate) fn new(below: f64, mut all: Vec<SliverLeft>) -> Self {
+        all.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+        Self { below, all }
+    }
+
+    pub(crate) fn of(refined: &Refined) -> Self {
+        let all = refined.slivers.iter().map(|own| SliverLeft {
+            angle: own.angle,
+            at: refined.centroid(own.tet),
+            near: own.near,
+        });
+        Self::new(refined.stats.min_dihedral, all.collect())
+    }
+
+    /// For the report.
+    pub(crate) fn json(&self) -> Value {
+        let each = |own: &SliverLeft| {
+            json!({
+                "angle": own.angle,
+                "at": own.at,
+                "near": own.near.map(|reason| reason.to_string()),
+            })
+        };
+        json!({
+            "below": self.below,
+            "tets": self.all.len(),
+            "flattest": self.all.iter().take(LISTED).map(each).collect::<Vec<_>>(),
+        })
+    }
+
+    /// Tells people, as what is wrong with the mesh if nothing else is.
+    pub(crate) fn print(&self, ready: &Prepared, are_all: bool) {
+        let word = if are_all { "ltbw: flat" } else { "note" };
+        self.text(ready).iter().for_each(|text| console::people(&format!("{word}: {text}")));
+    }
+
+    /// For people: their number, and where the flattest is; `None` of none.
+    fn text(&self, ready: &Prepared) -> Option<String> {
+        let first = self.all.first()?;
+        let forced = self.all.iter().filter(|own| own.near.is_some()).count();
+        let forced = match forced {
+            0 => String::new(),
+            _ => format!(", {forced} of them at small angles of the domain"),
+        };
+        let near = first.near.map_or(String::new(), |reason| format!(": {reason}"));
+        Some(format!(
+            "{} tetrahedra have a dihedral angle below {} degrees{forced}; the least is {} near \
+             {}{near}",
+            self.all.len(),
+            self.below,
+            short(first.angle, 3),
+            told(ready, first.at)
+        ))
+    }
 }
 
 /// The excused for people: how many where, the first reasons with their places, and what would help
@@ -172,7 +202,7 @@ mod tests {
         let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
         let refiner = Refiner::new().max_volume(1e-3).joint_most(1);
         let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-        let excused = json(&refined);
+        let excused = json(&refined.excused(), refined.excused_share());
         let all = excused["by_reason"].as_array().expect("reasons");
         let mut places = 0;
         for own in all {

@@ -26,7 +26,10 @@
 //! | `simulate` | `simulate`: the parallel kernel on simulated processors |
 //! | `demo` | `demo` |
 //! | `points` | what is told of a mesh of points, wherever its parts are |
-//! | `apart` | `delaunay` by several processes, none of which has the mesh |
+//! | `apart`, `apart_domain` | `delaunay` and `mesh` by several processes, none of which has the mesh |
+//! | `quality_apart` | the quality of such a mesh |
+//! | `domain_job`, `domain_whole` | a domain with what is asked for; the end where one process has the mesh |
+//! | `domain_report` | what is told of a refined domain, wherever its parts are |
 //! | `slices` | the points of such a run, of which no process has all |
 //! | `others`, `ranks` | the other processes of a job; those of `ltbw-mpi` |
 //! | `vectors`, `kit` | `vectors`: a foreign program and the conformance kit |
@@ -45,6 +48,8 @@
 mod angles;
 #[cfg(feature = "wire")]
 mod apart;
+#[cfg(feature = "wire")]
+mod apart_domain;
 mod args;
 mod binding;
 mod bounds;
@@ -54,6 +59,9 @@ mod conform;
 mod console;
 mod demo;
 mod domain;
+mod domain_job;
+mod domain_report;
+mod domain_whole;
 mod elements;
 mod excused;
 mod explained;
@@ -80,6 +88,8 @@ mod pieces;
 mod plc;
 mod points;
 mod progress;
+#[cfg(feature = "wire")]
+mod quality_apart;
 #[cfg(feature = "wire")]
 #[doc(hidden)]
 pub mod ranks;

@@ -1,11 +1,6 @@
 //! The other processes of a job, as the pipeline sees them: `ranks` has those of `ltbw-mpi`.
 
 use crate::outcome::Failure;
-use ltbw::CancelToken;
-use ltbw::domain::Prepared;
-use ltbw::refine::Refiner;
-use ltbw::refining::{RefineError, ThreadedRounds};
-use ltbw::threads::Parallel;
 
 /// The processes, as the pipeline sees them.
 pub(crate) trait Ranks {
@@ -15,25 +10,16 @@ pub(crate) trait Ranks {
     /// Makes sure that all have read an input with this fingerprint.
     fn agree(&self, fingerprint: String) -> Result<(), Failure>;
 
-    /// The processes as those that mesh points, none of which has all of the mesh.
+    /// The processes as those none of which has all of the mesh.
     #[cfg(feature = "wire")]
     fn apart(&self) -> &dyn Apart;
-
-    /// Refines a domain; the first process gets the mesh.
-    fn refine(
-        &self,
-        refiner: &Refiner<'_>,
-        ready: &Prepared,
-        parallel: &Parallel<'_>,
-        token: &CancelToken,
-    ) -> Result<Option<ThreadedRounds>, RefineError>;
 }
 
 /// The processes of a run, if there are several.
 pub(crate) type Others<'r> = Option<&'r dyn Ranks>;
 
 #[cfg(feature = "wire")]
-pub(crate) use apart::Apart;
+pub(crate) use apart::{Apart, Work};
 
 /// The word of a process, for people: the first one needs no name.
 #[cfg(feature = "wire")]
@@ -49,17 +35,26 @@ mod apart {
     use super::of_rank;
     use crate::outcome::Failure;
     use ltbw::distributed::{Gathered, Hashed, Part, Points, Slice, SliceError};
-    use ltbw::domain::Thickness;
+    use ltbw::domain::{Prepared, Thickness};
     use ltbw::io::{Border, Piece};
     use ltbw::protocol::WorkerId;
-    use ltbw::threads::{BuiltPart, RunError};
+    use ltbw::refine::Refiner;
+    use ltbw::refining::{RefineError, TeamRounds, Wishes};
+    use ltbw::threads::{BuiltPart, Parallel, RunError};
     use ltbw::wire::{bytes_of, value_of};
-    use ltbw::{Builder, Point};
+    use ltbw::{Builder, CancelToken, Point};
     use ltbw_verify as verify;
     use serde::Serialize;
     use serde::de::DeserializeOwned;
 
-    /// Processes each of which has a slice of the points, and a part of their mesh.
+    /// The workers of a job, and what stops them.
+    #[derive(Clone, Copy)]
+    pub(crate) struct Work<'w> {
+        pub(crate) parallel: &'w Parallel<'w>,
+        pub(crate) token: &'w CancelToken,
+    }
+
+    /// Processes each of which has a slice of the points, and a part of the mesh.
     pub(crate) trait Apart {
         /// Their number.
         fn size(&self) -> u32;
@@ -82,6 +77,15 @@ mod apart {
         /// Builds the mesh; each process gets its part.
         fn build(&self, builder: &Builder<'_>, slice: &Slice) -> Result<BuiltPart, RunError>;
 
+        /// Refines a domain; where the wishes say so each process keeps its part, if it may.
+        fn refine(
+            &self,
+            refiner: &Refiner<'_>,
+            ready: &Prepared,
+            work: Work<'_>,
+            wishes: Wishes<'_>,
+        ) -> Result<TeamRounds, RefineError>;
+
         /// The hash of the mesh that the parts of all are.
         fn hash(&self, part: &Part) -> Result<Hashed, Failure>;
 
@@ -91,6 +95,15 @@ mod apart {
             part: &verify::Part<'_>,
             options: &verify::Options,
         ) -> Result<verify::Report, Failure>;
+
+        /// Checks the mesh that the parts of all are against its domain.
+        fn conforms(
+            &self,
+            part: &verify::DomainPart<'_>,
+            plc: &verify::Plc,
+            limits: &verify::Limits,
+            options: &verify::Options,
+        ) -> Result<verify::Conformity, Failure>;
 
         /// The tags of points by their numbers, if the points of all slices have tags.
         fn tags(

@@ -102,6 +102,12 @@ impl Boundary {
         }
     }
 
+    /// The markers of the domain's facets in place of their own, if there are some.
+    #[cfg(feature = "wire")]
+    pub(crate) fn markers(&self) -> Option<&[i32]> {
+        self.are_smooth.then_some(&self.parts.markers[..])
+    }
+
     /// The marker that a word means: a name of a part, or the marker itself.
     pub(crate) fn marker(&self, word: &str) -> Option<i32> {
         let own = |n: &&GroupName| n.dimension == 2 && n.name == word;
@@ -130,7 +136,7 @@ impl Boundary {
     }
 
     /// Tells the parts, a line each.
-    fn tell(&self) {
+    pub(crate) fn tell(&self) {
         let list = &self.parts.list;
         for part in list.iter().take(SHOWN) {
             let name = self.name(part.marker).filter(|_| !self.are_smooth);

@@ -47,13 +47,6 @@ fn is_open(path: &Path) -> bool {
 }
 
 impl Streams {
-    /// For a process that writes nothing: the options are about this input alone.
-    #[cfg(feature = "wire")]
-    pub(crate) fn keep_input(&mut self, input: &Path) {
-        self.output_format = None;
-        self.format = self.format.filter(|_| is_open(input));
-    }
-
     /// The options, taken for inputs and outputs; an option without a use is refused.
     pub(crate) fn resolve(
         &self,

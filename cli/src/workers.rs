@@ -2,10 +2,9 @@
 //! points come.
 
 use crate::console::{self, Stop};
-use crate::others::Others;
 use crate::outcome::{Failure, show};
 use ltbw::domain::Prepared;
-use ltbw::refine::{RefineOutcome, Refined, Refiner};
+use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
 use ltbw::refining::{
     Owners, RefineError, Splits, ThreadedRounds, domain_on_threads, rounds_on_threads,
 };
@@ -42,12 +41,26 @@ pub(crate) struct Crew {
     pub(crate) mode: Mode,
 }
 
-/// The domain's name, what stops a run, and the other processes of it.
+/// The domain's name, and what stops a run.
 #[derive(Clone, Copy)]
 pub(crate) struct Setting<'a> {
     pub(crate) name: &'a Path,
     pub(crate) stop: &'a Stop,
-    pub(crate) others: Others<'a>,
+}
+
+impl Setting<'_> {
+    /// The failure of a crew.
+    pub(crate) fn failed(&self, error: RefineError) -> Failure {
+        let path = || self.name.to_owned();
+        match error {
+            RefineError::Domain(error) => Failure::Refine { path: path(), error },
+            RefineError::Build(error) => Failure::Build { path: path(), error },
+            RefineError::Run(error @ RunError::Threads { .. }) => {
+                Failure::Machine(error.to_string())
+            }
+            error => Failure::Other(format!("{}: {error}", show(self.name))),
+        }
+    }
 }
 
 /// Refines a prepared domain, by a crew if there is one.
@@ -56,47 +69,42 @@ pub(crate) fn refine(
     ready: &Prepared,
     crew: Option<Crew>,
     setting: Setting<'_>,
-) -> Result<Option<(Refined, Made)>, Failure> {
-    let Setting { name, stop, others } = setting;
-    let failed = |error| Failure::Refine { path: name.to_owned(), error };
+) -> Result<(Refined, Made), Failure> {
     let whole = (&ready.domain, &ready.lattice);
     let Some(Crew { workers, mode }) = crew else {
-        return Ok(Some((refiner.refine(whole.0, whole.1).map_err(failed)?, Made::default())));
+        let failed = |error| Failure::Refine { path: setting.name.to_owned(), error };
+        return Ok((refiner.refine(whole.0, whole.1).map_err(failed)?, Made::default()));
     };
-    let token = stop.token();
-    let parallel = Parallel::new(workers).cancel(token);
-    // The number of points that they have inserted, and why there is none.
-    let of_rounds = |run: ThreadedRounds| {
-        let points: u64 = run.workers.iter().map(|own| own.local + own.operations).sum();
-        let made = Made { workers: run.workers, owners: run.owners, ..Made::default() };
-        (run.refined, made, points, run.ending.err())
-    };
-    let run = match (mode, others) {
-        (_, Some(others)) => match others.refine(refiner, ready, &parallel, token) {
-            Ok(None) => return Ok(None),
-            Ok(Some(run)) => Ok(of_rounds(run)),
-            Err(error) => Err(error),
-        },
-        (Mode::Rounds, _) => rounds_on_threads(refiner, whole, &parallel).map(of_rounds),
-        (Mode::Async, _) => domain_on_threads(refiner, whole, &parallel).map(|run| {
+    let parallel = Parallel::new(workers).cancel(setting.stop.token());
+    let run = match mode {
+        Mode::Rounds => rounds_on_threads(refiner, whole, &parallel).map(Made::by_rounds),
+        Mode::Async => domain_on_threads(refiner, whole, &parallel).map(|run| {
             let splits = run.splits.as_ref().ok().copied();
             let points = splits.map_or(0, |own| own.inserted.iter().sum());
             let made = Made { workers: run.workers, owners: run.owners, splits, alone: None };
-            (run.refined, made, points, run.splits.err())
+            made.told(run.refined, points, run.splits.err())
         }),
     };
-    let (refined, made, points, unfit) = run.map_err(|error| match error {
-        RefineError::Domain(error) => failed(error),
-        RefineError::Build(error) => Failure::Build { path: name.to_owned(), error },
-        RefineError::Run(error @ RunError::Threads { .. }) => Failure::Machine(error.to_string()),
-        error => Failure::Other(format!("{}: {error}", show(name))),
-    })?;
-    // A run that was stopped before has its own reason, and is told of that.
-    let is_whole = matches!(refined.outcome, RefineOutcome::Met | RefineOutcome::Excused);
-    let nothing = || "nothing was left that workers may insert".to_owned();
-    let why = || unfit.map_or_else(nothing, |why| why.to_string());
-    let alone = (is_whole && points == 0).then(why);
-    Ok(Some((refined, Made { alone, ..made })))
+    run.map_err(|error| setting.failed(error))
+}
+
+impl Made {
+    /// A domain that a crew has refined in rounds, and its part in that.
+    pub(crate) fn by_rounds(run: ThreadedRounds) -> (Refined, Self) {
+        let points = run.workers.iter().map(|own| own.local + own.operations).sum();
+        let made = Self { workers: run.workers, owners: run.owners, ..Self::default() };
+        made.told(run.refined, points, run.ending.err())
+    }
+
+    /// Notes why a crew has inserted no point, of this number, if it has not.
+    fn told(self, refined: Refined, points: u64, unfit: Option<ComplexError>) -> (Refined, Self) {
+        // A run that was stopped before has its own reason, and is told of that.
+        let is_whole = matches!(refined.outcome, RefineOutcome::Met | RefineOutcome::Excused);
+        let nothing = || "nothing was left that workers may insert".to_owned();
+        let why = || unfit.map_or_else(nothing, |why| why.to_string());
+        let alone = (is_whole && points == 0).then(why);
+        (refined, Self { alone, ..self })
+    }
 }
 
 /// Says for people what the workers have done.

@@ -2,6 +2,7 @@
 
 mod assurance;
 mod corpus;
+mod domain_parts;
 mod elements;
 mod family_predicates;
 mod golden;

@@ -4,7 +4,7 @@
 use ltbw::CancelToken;
 use ltbw::domain::{Domain, PrepareOptions};
 use ltbw::refine::{Refined, Refiner};
-use ltbw::refining::{Checkpoints, rounds_on_team};
+use ltbw::refining::{Checkpoints, Wishes, rounds_on_team};
 use ltbw::threads::Parallel;
 use ltbw_generate::layers::stack;
 use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
@@ -41,8 +41,9 @@ fn resumes(name: &str, domain: &Domain, options: &PrepareOptions, refiner: &Refi
                 kept.borrow_mut().push(Kept { rounds, state: state.to_vec() });
             };
             let checkpoints = Checkpoints { every, from, keep: Some(&keep) };
-            let refined = rounds_on_team(refiner, whole, (&parallel, &token), team, checkpoints);
-            (refined.expect("a mesh"), kept.into_inner())
+            let wishes = Wishes { checkpoints, ..Wishes::default() };
+            let refined = rounds_on_team(refiner, whole, (&parallel, &token), team, wishes);
+            (refined.expect("a mesh").into_whole(), kept.into_inner())
         });
         let (first, kept) = ends.into_iter().next().expect("a member");
         let refined = first.expect("the first member's mesh").refined;

@@ -6,7 +6,7 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::LocalMesh;
 use ltbw::protocol::WorkerId;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
-use ltbw::refining::{Checkpoints, DomainMesh, Ending, RoundFigures, rounds_on_team};
+use ltbw::refining::{DomainMesh, Ending, RoundFigures, TeamRounds, Wishes, rounds_on_team};
 use ltbw::team::{Kind, LONGEST, Post, Team};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::transport::Mail;
@@ -117,11 +117,12 @@ fn on_teams(name: &str, refiner: &Refiner<'_>, ready: &Prepared) -> Vec<Rounds> 
         let ends = on_team(members, |team| {
             let (token, parallel) = (CancelToken::new(), Parallel::new(members));
             let threads = (&parallel.cancel(&token), &token);
-            rounds_on_team(refiner, whole, threads, team, Checkpoints::default())
+            rounds_on_team(refiner, whole, threads, team, Wishes::default())
         });
         let mut ends = ends.into_iter().map(|end| end.expect("a mesh"));
-        let first = ends.next().flatten().expect("the first member's mesh");
-        assert!(ends.all(|end| end.is_none()), "{name}: one member has the mesh");
+        let first = ends.next().and_then(TeamRounds::into_whole).expect("the first one's mesh");
+        let is_elsewhere = |end| matches!(end, TeamRounds::Elsewhere);
+        assert!(ends.all(is_elsewhere), "{name}: one member has the mesh");
         same(&format!("{name} on {members} members"), &first.refined, &engine);
         if let Ok(ending) = first.ending {
             assert_eq!(first.workers.len(), members as usize, "{name}: {ending:?}");
@@ -197,12 +198,14 @@ fn a_refinement_that_is_stopped_at_one_member_is_stopped() {
             let refiner = refiner.cancel(&token);
             let whole = (&ready.domain, &ready.lattice);
             let threads = (&parallel.cancel(&token), &token);
-            rounds_on_team(&refiner, whole, threads, team, Checkpoints::default())
+            rounds_on_team(&refiner, whole, threads, team, Wishes::default())
         });
         let first = ends.into_iter().next().expect("the first member");
         match first {
-            Ok(Some(run)) => assert_eq!(run.refined.outcome, RefineOutcome::Cancelled),
-            Ok(None) => panic!("the first member has nothing"),
+            Ok(TeamRounds::Whole(run, _)) => {
+                assert_eq!(run.refined.outcome, RefineOutcome::Cancelled);
+            }
+            Ok(other) => panic!("the first member has {other:?}"),
             Err(error) => assert!(error.to_string().contains("cancelled"), "{error}"),
         }
     }
@@ -222,7 +225,7 @@ fn letters() -> [Vec<Vec<u8>>; 2] {
     let of_domain = recorded(3, Kind::Mail, |team| {
         let (token, parallel) = (CancelToken::new(), Parallel::new(3));
         let whole = (&ready.domain, &ready.lattice);
-        let none = Checkpoints::default();
+        let none = Wishes::default();
         rounds_on_team(&refiner, whole, (&parallel, &token), team, none).expect("a mesh");
     });
     [of_points, of_domain.concat()]

@@ -157,12 +157,13 @@ Lints, builds and tests the C interface: header, examples under valgrind, by pkg
     },
     Command {
         name: "mpi",
-        takes: "[--ranks 1,2,3,4] [--readers] [--validate]",
+        takes: "[--ranks 1,2,3,4] [--readers] [--validate] [--faults N] [--seed N]",
         what: "\
 Builds and runs the program of parallel/mpi by mpirun: the hashes of ltbw, over shared memory and
 TCP, in time and late; refusals, faults and checkpoints; what it writes in parts, with --readers
 read by Gmsh, VTK and MFEM. With --validate alone: two processes with late mails beside the
-simulator.",
+simulator. With --faults alone: N small jobs, in each of which one process panics, is killed or is
+stopped at a moment that --seed draws; without it 12 beside the rest.",
         time: "7 minutes",
         tools: "mpirun, mpicc, clang; pip for --readers",
         output: "one line for all hashes, one for the faults",

@@ -1,6 +1,6 @@
 //! The options of a process that is one of several.
 
-use crate::args::{Delaunay, Depth, MeshArgs};
+use crate::args::{Delaunay, MeshArgs};
 use crate::outcome::Failure;
 use crate::streams::is_stdin;
 use crate::workers::Mode;
@@ -50,7 +50,7 @@ impl Delaunay {
 }
 
 impl MeshArgs {
-    /// For one of several processes: the first one alone checks and writes.
+    /// For one of several processes: all check and write their parts, the first one alone reports.
     pub(crate) fn for_ranks(&mut self, is_first: bool) -> Result<(), Failure> {
         let options = [
             Asked::new("--workers", self.workers.is_some()),
@@ -59,10 +59,7 @@ impl MeshArgs {
         ];
         refused(&options, &self.domain)?;
         if !is_first {
-            (self.json, self.page, self.check) = (None, None, Depth::Off);
-            (self.histogram, self.preparation.write_defects) = (None, None);
-            self.output.clear();
-            self.streams.keep_input(&self.domain);
+            (self.json, self.preparation.write_defects) = (None, None);
         }
         Ok(())
     }

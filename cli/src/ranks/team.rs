@@ -3,7 +3,7 @@
 use super::checkpoint::{Checkpoint, Job};
 use crate::args::{Args, Command};
 use crate::binding::sha256;
-use crate::others::{Apart, Ranks, of_rank};
+use crate::others::{Apart, Ranks, Work, of_rank};
 use crate::outcome::{Exit, Failure};
 use crate::{console, dispatch, machine, refusal};
 use clap::Parser;
@@ -12,11 +12,11 @@ use ltbw::domain::{Prepared, Thickness};
 use ltbw::io::{Border, Piece};
 use ltbw::protocol::WorkerId;
 use ltbw::refine::Refiner;
-use ltbw::refining::{Checkpoints, RefineError, ThreadedRounds, rounds_on_team};
+use ltbw::refining::{Checkpoints, RefineError, TeamRounds, Wishes, rounds_on_team};
 use ltbw::team::{LetterFigures, Post, Team, TeamError};
-use ltbw::threads::{BuiltPart, Parallel, RunError};
+use ltbw::threads::{BuiltPart, RunError};
 use ltbw::wire::{VERSION, WireError};
-use ltbw::{Builder, CancelToken, Point};
+use ltbw::{Builder, Point};
 use ltbw_verify as verify;
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
@@ -122,38 +122,6 @@ impl<P: Post> Ranks for Member<'_, P> {
     fn apart(&self) -> &dyn Apart {
         self
     }
-
-    fn refine(
-        &self,
-        refiner: &Refiner<'_>,
-        ready: &Prepared,
-        parallel: &Parallel<'_>,
-        token: &CancelToken,
-    ) -> Result<Option<ThreadedRounds>, RefineError> {
-        let from = self.kept.as_ref().and_then(|own| own.from.take());
-        let keep = |rounds: u64, state: &[u8]| {
-            if let Some(Kept { file, job, .. }) = &self.kept {
-                file.keep(&job.borrow(), rounds, state);
-            }
-        };
-        let checkpoints = Checkpoints {
-            every: self.kept.as_ref().map_or(0, |own| own.file.every),
-            from: from.as_deref(),
-            keep: Some(&keep),
-        };
-        let refined = rounds_on_team(
-            refiner,
-            (&ready.domain, &ready.lattice),
-            (parallel, token),
-            *self.team.borrow_mut(),
-            checkpoints,
-        );
-        let is_lost = |error: &RefineError| {
-            !matches!(error, RefineError::Build(_) | RefineError::Domain(_) | RefineError::Range)
-        };
-        self.is_broken.set(refined.as_ref().is_err_and(is_lost));
-        refined
-    }
 }
 
 impl<P: Post> Apart for Member<'_, P> {
@@ -194,6 +162,38 @@ impl<P: Post> Apart for Member<'_, P> {
         built
     }
 
+    fn refine(
+        &self,
+        refiner: &Refiner<'_>,
+        ready: &Prepared,
+        Work { parallel, token }: Work<'_>,
+        wishes: Wishes<'_>,
+    ) -> Result<TeamRounds, RefineError> {
+        let from = self.kept.as_ref().and_then(|own| own.from.take());
+        let keep = |rounds: u64, state: &[u8]| {
+            if let Some(Kept { file, job, .. }) = &self.kept {
+                file.keep(&job.borrow(), rounds, state);
+            }
+        };
+        let checkpoints = Checkpoints {
+            every: self.kept.as_ref().map_or(0, |own| own.file.every),
+            from: from.as_deref(),
+            keep: Some(&keep),
+        };
+        let refined = rounds_on_team(
+            refiner,
+            (&ready.domain, &ready.lattice),
+            (parallel, token),
+            *self.team.borrow_mut(),
+            Wishes { checkpoints, ..wishes },
+        );
+        let is_lost = |error: &RefineError| {
+            !matches!(error, RefineError::Build(_) | RefineError::Domain(_) | RefineError::Range)
+        };
+        self.is_broken.set(refined.as_ref().is_err_and(is_lost));
+        refined
+    }
+
     fn hash(&self, part: &Part) -> Result<Hashed, Failure> {
         let hashed = distributed::hash(*self.team.borrow_mut(), part);
         hashed.map_err(|error| self.lost(&error))
@@ -206,6 +206,18 @@ impl<P: Post> Apart for Member<'_, P> {
     ) -> Result<verify::Report, Failure> {
         let report = verify::check_parted(&mut Judge(*self.team.borrow_mut()), part, options);
         report.map_err(|error| self.lost(&error))
+    }
+
+    fn conforms(
+        &self,
+        part: &verify::DomainPart<'_>,
+        plc: &verify::Plc,
+        limits: &verify::Limits,
+        options: &verify::Options,
+    ) -> Result<verify::Conformity, Failure> {
+        let mut team = self.team.borrow_mut();
+        let found = verify::conforms_parted(&mut Judge(*team), part, plc, limits, options);
+        found.map_err(|error| self.lost(&error))
     }
 
     fn border(&self, piece: &Piece) -> Result<Border, Failure> {

@@ -259,15 +259,27 @@ impl Quality {
         if tets.is_empty() || !tets.par_iter().with_min_len(SHARE).all(known) {
             return None;
         }
-        let corners = |tet: &[u32; 4]| tet.map(|v| &points[v as usize]);
-        // Widths of the histograms need no angles, which are what costs time.
+        Some(Self::within(points, tets, Self::widths(points, tets)))
+    }
+
+    /// The largest volume and the longest edge, which are the widths of histograms. All vertices
+    /// have to be points.
+    #[must_use]
+    pub fn widths(points: &[Point], tets: &[[u32; 4]]) -> [f64; 2] {
+        // They need no angles, which are what costs time.
+        let larger = |a: [f64; 2], b: [f64; 2]| [0, 1].map(|k| a[k].max(b[k]));
         let widest = |list: &[[u32; 4]]| {
-            list.iter().map(corners).fold((0.0f64, 0.0f64), |(most, edge), tet| {
-                (volume(tet).max(most), lengths(tet).into_iter().fold(edge, f64::max))
+            list.iter().map(|tet| tet.map(|v| &points[v as usize])).fold([0.0; 2], |most, tet| {
+                larger(most, [volume(tet), lengths(tet).into_iter().fold(0.0, f64::max)])
             })
         };
-        let larger = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
-        let (largest, edge) = tets.par_chunks(SHARE).map(widest).reduce(|| (0.0, 0.0), larger);
+        tets.par_chunks(SHARE).map(widest).reduce(|| [0.0; 2], larger)
+    }
+
+    /// The measures of tetrahedra of a mesh with these widths, or of none. All vertices have to be
+    /// points.
+    #[must_use]
+    pub fn within(points: &[Point], tets: &[[u32; 4]], [largest, edge]: [f64; 2]) -> Self {
         let none = Self {
             tets: tets.len(),
             dihedral: Histogram::new("dihedral angle, degrees", 0.0, 180.0, 36),
@@ -280,14 +292,14 @@ impl Quality {
         let share = |(k, list): (usize, &[[u32; 4]])| {
             let mut own = none.clone();
             for (t, tet) in (k * SHARE..).zip(list) {
-                own.add(t, &TetQuality::of(corners(tet)));
+                own.add(t, &TetQuality::of(tet.map(|v| &points[v as usize])));
             }
             own
         };
         let shares: Vec<Self> = tets.par_chunks(SHARE).enumerate().map(share).collect();
         let mut all = none;
         shares.iter().for_each(|later| all.merge(later));
-        Some(all)
+        all
     }
 
     fn add(&mut self, t: usize, tet: &TetQuality) {

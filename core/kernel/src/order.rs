@@ -33,12 +33,12 @@ pub fn brio_hilbert(points: &[Point]) -> Vec<u32> {
         rest /= 8;
         rounds += 1;
     }
-    in_rounds(points, rounds)
+    in_rounds(points, rounds, Cube::around(points.iter()))
 }
 
 /// The Hilbert order of `points` alone, in one round.
 pub fn hilbert(points: &[Point]) -> Vec<u32> {
-    in_rounds(points, 0)
+    Curve(Cube::around(points.iter())).hilbert(points)
 }
 
 /// The BRIO round, 0 to `rounds`, of the point with this index: the last one with probability 7/8.
@@ -49,8 +49,7 @@ pub fn round_of(index: u32, rounds: u32) -> u32 {
 }
 
 /// Hilbert order in each of the rounds 0 to `rounds`.
-fn in_rounds(points: &[Point], rounds: u32) -> Vec<u32> {
-    let frame = Cube::around(points.iter());
+fn in_rounds(points: &[Point], rounds: u32, frame: Cube) -> Vec<u32> {
     let key = |(i, p): (usize, &Point)| {
         let round = round_of(i as u32, rounds);
         Keyed { key: u64::from(round) << (3 * BITS) | frame.key(p), index: i as u32 }
@@ -115,6 +114,11 @@ impl Curve {
     #[inline]
     pub fn key(&self, p: &Point) -> u64 {
         if self.0.side > 0.0 { self.0.key(p) } else { 0 }
+    }
+
+    /// The order that [`hilbert`] has, of some of the points in the box: all or none of a cell.
+    pub fn hilbert(&self, points: &[Point]) -> Vec<u32> {
+        in_rounds(points, 0, self.0)
     }
 
     /// The numbers of points along the curve; those in one cell in the order in which they are. On

@@ -65,7 +65,11 @@ pub use mesh::limit::Limit;
 pub use mesh::region::RegionInfo;
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats, Sliver, Spot};
 pub use output::excuse::Excused;
+#[doc(hidden)]
+pub use output::part::{Amiss, GivenNumbers, ThinTet, from_smallest, in_order};
 pub use output::refined::Refined;
+#[doc(hidden)]
+pub use output::refined::attributes_of;
 pub use output::share::{ExcusedShare, Verdict};
 pub use resume::ResumeError;
 #[doc(hidden)]

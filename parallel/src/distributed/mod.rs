@@ -1,4 +1,4 @@
-//! A mesh of points that is nowhere in one place: each member of a team has a part of it, and what
+//! A mesh that is nowhere in one place: each member of a team has a part of it, and what
 //! is asked of the whole is found by all together.
 //!
 //! | module | what it holds |
@@ -8,6 +8,8 @@
 //! | `records` | values of one size, many at a time, as bytes |
 //! | `sort` | what all members have, sorted: each gets a stretch of it |
 //! | `ask` | questions to the member that has the answer; tags of points |
+//! | `number` | numbers of vertices that nobody has given one |
+//! | `share` | which of two parts has the triangle between them |
 //! | `hash` | the hash `ltbw.mesh/1`, byte for byte |
 //! | `stream` | the bytes of that hash on their way |
 //! | `border` | what parts have in common, for files that solvers read |
@@ -21,8 +23,10 @@ mod ask;
 mod border;
 mod gather;
 mod hash;
+mod number;
 mod order;
 mod records;
+mod share;
 mod slice;
 mod sort;
 mod stream;
@@ -33,8 +37,10 @@ pub use ask::tags;
 pub use border::border;
 pub use gather::{Gathered, Points, deal, gather, gather_points};
 pub use hash::{Hashed, hash};
+pub(crate) use number::{Unnumbered, number};
 pub use order::{Ordered, Placed, order};
 pub(crate) use records::{bytes_of, values_of};
+pub(crate) use share::{Side, first_of_two};
 pub use slice::{Slice, SliceError};
 pub use thickness::thickness;
 

@@ -20,7 +20,24 @@ where
     P: Post,
     R: Record + Ord + Serialize + DeserializeOwned,
 {
-    let cuts = cuts(team, own)?;
+    stretch_cut(team, own, |cut| cut)
+}
+
+/// As [`stretch_of`], where no stretch begins but at what `begin` makes of a value: the first one
+/// of those that are to come to one member.
+///
+/// # Errors
+/// As of [`stretch_of`].
+pub(super) fn stretch_cut<P, R>(
+    team: &mut Team<P>,
+    own: &[R],
+    begin: impl Fn(R) -> R,
+) -> Result<Vec<Vec<R>>, TeamError>
+where
+    P: Post,
+    R: Record + Ord + Serialize + DeserializeOwned,
+{
+    let cuts: Vec<R> = cuts(team, own)?.into_iter().map(begin).collect();
     let mut from = 0;
     let mut parts = Vec::with_capacity(team.size() as usize);
     for until in cuts.iter().map(|cut| own.partition_point(|value| value < cut)) {

@@ -17,7 +17,10 @@ pub use news::{
     WireClosure, WireCorner, WireItem,
 };
 #[cfg(feature = "wire")]
-pub use rounds::{Checkpoints, rounds_on_team};
+pub use rounds::{
+    Checkpoints, Late, LateSteps, RefinedPart, RefinedWhole, SliverThere, TeamRounds, Wishes,
+    rounds_on_team,
+};
 pub use rounds::{
     Ending, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN, ThreadedRounds,
     Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds, unkilled,

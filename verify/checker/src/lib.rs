@@ -134,7 +134,8 @@ mod topology;
 pub use angles::{LeastAngle, SmallAngles, small_angles};
 pub use check::{check, check_elements, signs};
 pub use conform::{
-    Conformity, ConformityDefect, Finding, Fraction, Limits, Plc, PlcFacet, conforms,
+    Conformity, ConformityDefect, DomainPart, Finding, Fraction, Limits, Plc, PlcFacet, conforms,
+    conforms_parted,
 };
 pub use defect::{Defect, Kind, Level};
 pub use hash::{HashError, canonical_hash};

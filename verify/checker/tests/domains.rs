@@ -1,8 +1,10 @@
 //! Meshes of domains with free segments and regions: what the checker says of each by itself.
 
+use crate::common::domain::Judged;
+use crate::common::team::{Lost, on_team};
 use ltbw_verify::{
-    Conformity, ConformityDefect, Limits, Mesh, Options, Plc, PlcFacet, Point, VertexOrder,
-    conforms,
+    Conformity, ConformityDefect, DomainPart, Exchange, Limits, Mesh, Options, Plc, PlcFacet,
+    Point, VertexOrder, conforms_parted,
 };
 
 fn facets(all: &[[u32; 3]]) -> Vec<PlcFacet> {
@@ -34,7 +36,8 @@ fn of_poles(points: &[Point], tets: &[[u32; 4]], segments: &[[u32; 2]]) -> Confo
         ..Plc::default()
     };
     let options = Options { vertex_order: VertexOrder::Any, ..Options::default() };
-    conforms(&Mesh::new(points, tets), &plc, None, &Limits::default(), &options)
+    let (mesh, limits) = (Mesh::new(points, tets), Limits::default());
+    Judged { mesh: &mesh, plc: &plc, tags: None, limits: &limits, options: &options }.conforms()
 }
 
 #[test]
@@ -106,7 +109,10 @@ impl Cells {
             ..Options::default()
         };
         let mesh = Mesh::new(&self.points, &self.tets);
-        let found = conforms(&mesh, &self.plc, Some(&tags), &Limits::default(), &options);
+        let (tags, limits) = (Some(&tags[..]), Limits::default());
+        let judged =
+            Judged { mesh: &mesh, plc: &self.plc, tags, limits: &limits, options: &options };
+        let found = judged.conforms();
         assert_eq!(found.cells, 3);
         counted(&found)
     }
@@ -129,4 +135,142 @@ fn tags_are_the_numbers_that_the_seeds_give() {
     assert_eq!(some.with_tags([3, 2, 1], true), [(TagNotOfSeed, 12)]);
     assert_eq!(some.with_tags([2, 2, 1], true), [(TagNotOfSeed, 6)]);
     assert_eq!(some.with_tags([2, 0, 1], true), [(TagNotOfSeed, 6)]);
+}
+
+/// Breaches of every kind, wherever the parts of the mesh end.
+#[test]
+fn planted_breaches_are_found_whole_and_in_parts() {
+    use ConformityDefect::*;
+    let sound = Cells::new(&[0, 1, 2]);
+    let tags: Vec<i64> = sound.cells.iter().map(|&cell| cell as i64 + 1).collect();
+    let usual =
+        Options { vertex_order: VertexOrder::Any, numbered_regions: true, ..Options::default() };
+    let judge = |own: &Cells, tags: &[i64], limits: &Limits| {
+        let mesh = Mesh::new(&own.points, &own.tets);
+        let judged =
+            Judged { mesh: &mesh, plc: &own.plc, tags: Some(tags), limits, options: &usual };
+        judged.conforms()
+    };
+    let none = Limits::default();
+    assert!(judge(&sound, &tags, &none).passed());
+
+    // The domain, the tags, the limits.
+    let in_domain: [(&dyn Fn(&mut Plc), &[ConformityDefect]); 8] = [
+        (&|plc| plc.holes.push([1.5, 0.375, 0.625]), &[HoleMeshed]),
+        (&|plc| plc.regions.push([9.0; 3]), &[RegionNotMeshed]),
+        (&|plc| plc.vertices.push([0.25, 0.5, 0.5]), &[VertexMissing]),
+        (&|plc| plc.segments.push([1, 2]), &[SegmentBroken]),
+        (&|plc| plc.segments.push([0, 13]), &[SegmentBroken]),
+        (&|plc| _ = plc.facets.remove(1), &[TagsDiffer, TagNotOfSeed]),
+        (&|plc| _ = plc.facets.remove(0), &[HullFaceOffFacet]),
+        (&|plc| plc.vertices[0][0] = 2f64.powi(-70), &[TooFine]),
+    ];
+    for (plant, expected) in in_domain {
+        let mut own = Cells::new(&[0, 1, 2]);
+        plant(&mut own.plc);
+        let found = judge(&own, &tags, &none);
+        let kinds: Vec<ConformityDefect> = found.counts.keys().copied().collect();
+        assert_eq!(kinds, expected, "{:?}", found.findings);
+    }
+    for t in 0..tags.len() {
+        let mut other = tags.clone();
+        other[t] = 9;
+        let found = judge(&sound, &other, &none);
+        assert!(found.count(TagsDiffer) > 0 && found.count(TagNotOfSeed) == 1, "{t}");
+    }
+    for (limits, kind) in [
+        (Limits { max_volume: Some(0.125), ..Limits::default() }, VolumeExceeded),
+        (Limits { max_edge: Some(1.5), ..Limits::default() }, EdgeExceeded),
+        (Limits { radius_edge: Some(0.75), ..Limits::default() }, RatioExceeded),
+        (Limits { region_volumes: vec![None, Some(0.125)], ..Limits::default() }, VolumeExceeded),
+    ] {
+        let found = judge(&sound, &tags, &limits);
+        let expected = if limits.region_volumes.is_empty() { 18 } else { 6 };
+        assert_eq!(counted(&found), [(kind, expected)]);
+    }
+    let limits = Limits { min_dihedral: Some(60.0), ..Limits::default() };
+    let small = judge(&sound, &tags, &limits).below_dihedral.expect("angles");
+    assert_eq!(small.count, 18);
+
+    // The mesh: a tetrahedron is missing, or there twice, or turned over its wall, or flat.
+    for t in 0..tags.len() {
+        let plant = |how: &dyn Fn(&mut Cells, &mut Vec<i64>)| {
+            let (mut own, mut tags) = (Cells::new(&[0, 1, 2]), tags.clone());
+            how(&mut own, &mut tags);
+            judge(&own, &tags, &none)
+        };
+        let missing = plant(&|own, tags| {
+            own.tets.remove(t);
+            tags.remove(t);
+        });
+        assert!(missing.count(HullFaceOffFacet) + missing.count(FacetNotTiled) > 0, "{t}");
+        let twice = plant(&|own, tags| {
+            own.tets.push(own.tets[t]);
+            tags.push(tags[t]);
+        });
+        assert!(twice.mesh_defect_count > 0, "{t}");
+        let flat = plant(&|own, _| own.tets[t][3] = own.tets[t][2] ^ 1);
+        assert!(!flat.passed(), "{t}");
+        let torn = plant(&|own, _| {
+            let v = own.tets[t][1];
+            own.points.push(own.points[v as usize]);
+            own.tets[t][1] = own.points.len() as u32 - 1;
+        });
+        assert!(torn.mesh_defect_count > 0, "a vertex that is there twice: {t}");
+    }
+}
+
+/// The numbers of vertices, which nobody sorts by, have to be those of one place each.
+#[test]
+fn numbers_that_parts_do_not_agree_upon_are_found() {
+    let own = Cells::new(&[]);
+    for swapped in [false, true] {
+        let all = on_team(2, |team| {
+            let me = team.me();
+            let tets: Vec<[u32; 4]> = own.tets.iter().skip(me).step_by(2).copied().collect();
+            let mut numbers: Vec<u32> = (0..16).collect();
+            if swapped && me == 1 {
+                numbers.swap(5, 6);
+            }
+            let part =
+                DomainPart { points: &own.points, numbers: &numbers, tets: &tets, tags: None };
+            let options = Options { vertex_order: VertexOrder::Any, ..Options::default() };
+            conforms_parted(team, &part, &own.plc, &Limits::default(), &options)
+        });
+        for found in all {
+            let found = found.expect("findings");
+            assert_eq!(found.mesh_defect_count > 0, swapped, "{:?}", found.mesh_defects);
+            assert_eq!(found.passed(), !swapped, "{:?}", found.findings);
+        }
+    }
+}
+
+/// Whatever a member sends in place of what it has to: an error that names it, or findings.
+#[test]
+fn bytes_that_make_no_sense_are_refused_by_name() {
+    let own = Cells::new(&[0, 1, 2]);
+    let cut: fn(&mut Vec<u8>) = |bytes| _ = bytes.pop();
+    let wild: fn(&mut Vec<u8>) = |bytes| bytes.iter_mut().for_each(|byte| *byte ^= 0xa5);
+    let mut refused = 0;
+    for k in 0..64 {
+        for how in [cut, wild] {
+            let ends = on_team(3, |team| {
+                let me = team.me();
+                if me == 1 {
+                    team.garble(k, how);
+                }
+                let tets: Vec<[u32; 4]> = own.tets.iter().skip(me).step_by(3).copied().collect();
+                let numbers: Vec<u32> = (0..16).collect();
+                let points = &own.points;
+                let part = DomainPart { points, numbers: &numbers, tets: &tets, tags: None };
+                let options = Options { vertex_order: VertexOrder::Any, ..Options::default() };
+                conforms_parted(team, &part, &own.plc, &Limits::default(), &options).map(drop)
+            });
+            refused += ends.iter().filter(|end| end.is_err()).count();
+            let is_named =
+                |end: &Result<(), Lost>| !matches!(end, Err(Lost::Nonsense(from, _)) if *from != 1);
+            assert!(ends.iter().all(is_named), "{k}: {ends:?}");
+        }
+    }
+    assert!(refused > 20, "{refused}");
 }

@@ -1,7 +1,8 @@
 //! Items with nothing but exterior around them are not asked for, and excuse nothing else.
 
+use crate::common::domain::Judged;
 use ltbw_verify::{
-    Conformity, ConformityDefect, Limits, Mesh, Options, Plc, PlcFacet, VertexOrder, conforms,
+    Conformity, ConformityDefect, Limits, Mesh, Options, Plc, PlcFacet, VertexOrder,
 };
 
 const SIDES: [[u32; 4]; 6] =
@@ -72,7 +73,9 @@ fn mesh(places: &[f64]) -> (Vec<[f64; 3]>, Vec<[u32; 4]>) {
 fn judged(domain: &Built, places: &[f64]) -> Conformity {
     let (points, tets) = mesh(places);
     let options = Options { vertex_order: VertexOrder::Any, ..Options::default() };
-    conforms(&Mesh::new(&points, &tets), &domain.0, None, &Limits::default(), &options)
+    let (mesh, limits) = (Mesh::new(&points, &tets), Limits::default());
+    Judged { mesh: &mesh, plc: &domain.0, tags: None, limits: &limits, options: &options }
+        .conforms()
 }
 
 fn passes(domain: &Built, places: &[f64]) {

@@ -126,11 +126,11 @@ fn file_of(bench: &Bench, rank: u32) -> PathBuf {
     bench.folder.join(format!("rank-{rank}.pid"))
 }
 
-/// A job of two processes that tell their numbers, without arguments.
-pub(super) fn telling(bench: &Bench) -> Command {
-    (0..2).for_each(|rank| _ = fs::remove_file(file_of(bench, rank)));
+/// A job of some processes that tell their numbers, without arguments.
+pub(super) fn telling(bench: &Bench, count: u32) -> Command {
+    (0..count).for_each(|rank| _ = fs::remove_file(file_of(bench, rank)));
     let script = "echo $$ > rank-$OMPI_COMM_WORLD_RANK.pid && exec \"$0\" \"$@\"";
-    let mut job = bench.job(2, &[]);
+    let mut job = bench.job(count, &[]);
     job.args(["sh", "-c", script]).arg(&bench.ranked);
     job
 }
@@ -155,7 +155,7 @@ pub(super) fn within<T>(patience: Duration, find: impl Fn() -> Option<T>) -> Opt
 
 /// A job whose process `rank` gets a signal in the midst of the insertion.
 fn signalled(bench: &Bench, rank: u32, signal: &str, more: &[&str]) -> Result<Outcome, String> {
-    let mut job = telling(bench);
+    let mut job = telling(bench, 2);
     job.env("LTBW_MPI_LATENCY_US", LATE);
     job.args(["--progress", "json", "delaunay", "uniform-20000.npy"]).args(more);
     let child = begin(&mut job)?;

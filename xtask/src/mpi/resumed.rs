@@ -59,7 +59,7 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
 
 /// A job that loses a process as soon as it has a checkpoint.
 fn killed(bench: &Bench) -> Result<Outcome, String> {
-    let mut job = telling(bench);
+    let mut job = telling(bench, 2);
     job.env("LTBW_MPI_CHECKPOINT", KEPT).env("LTBW_MPI_CHECKPOINT_ROUNDS", ROUNDS);
     let child = begin(job.env("LTBW_MPI_LATENCY_US", LATE).args(MESH))?;
     let pid = pid_of(bench, 1);

@@ -298,6 +298,11 @@ impl Bounds<'_> {
         [0, 1, 2].map(|k| (a[k] + b[k] + c[k] + d[k]) * 0.25 * self.fine_step)
     }
 
+    /// Has the sizing field, if there is one, a length for a tetrahedron?
+    pub(crate) fn has_size_at(&self, corners: [&Point; 4]) -> bool {
+        self.field.is_none_or(|field| self.wanted_volume(field(self.centroid(corners))) > 0.0)
+    }
+
     /// Has the sizing field a length for each of some tetrahedra of the domain? Others may be asked
     /// for before, and come and go with the order of insertion.
     ///

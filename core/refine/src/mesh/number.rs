@@ -7,6 +7,8 @@
 
 use super::key::{OrderKey, order_key};
 use super::state::State;
+use crate::complex::plc::Plc;
+use crate::table::Map;
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::mesh::Vertex;
 use ltbw_core::order::hilbert;
@@ -18,7 +20,7 @@ use rayon::prelude::*;
 const SHARE: usize = if cfg!(test) { 7 } else { 1024 };
 
 /// The vertices of a triangle from the smallest on; it keeps its side.
-pub(crate) fn from_smallest([a, b, c]: [Vertex; 3]) -> [Vertex; 3] {
+pub fn from_smallest([a, b, c]: [Vertex; 3]) -> [Vertex; 3] {
     match a.min(b).min(c) {
         least if least == a => [a, b, c],
         least if least == b => [b, c, a],
@@ -27,10 +29,30 @@ pub(crate) fn from_smallest([a, b, c]: [Vertex; 3]) -> [Vertex; 3] {
 }
 
 /// The vertices of a tetrahedron: the smallest, the next, then as its orientation says.
-pub(crate) fn in_order(v: [Vertex; 4]) -> [Vertex; 4] {
+pub fn in_order(v: [Vertex; 4]) -> [Vertex; 4] {
     let first = (1..4).fold(0, |first, k| if v[k] < v[first] { k } else { first });
     let [a, b, c] = from_smallest(OTHERS[first].map(|k| v[k]));
     [v[first], a, b, c]
+}
+
+/// The numbers that a domain gives vertices: to its corners their own, to its points those that
+/// follow.
+#[derive(Debug)]
+pub struct GivenNumbers {
+    /// The number of the first vertex that has none.
+    pub count: Vertex,
+    pub(crate) points: Map<OrderKey, Vertex>,
+}
+
+impl Plc {
+    pub(crate) fn given_numbers(&self) -> GivenNumbers {
+        let first = self.corners.len() as Vertex;
+        let points = (first..).zip(&self.points);
+        GivenNumbers {
+            count: self.count() as Vertex,
+            points: points.map(|(number, own)| (order_key(&own.0), number)).collect(),
+        }
+    }
 }
 
 impl State {

@@ -51,6 +51,17 @@ pub struct Refined {
     pub(crate) order: Vec<TetId>,
 }
 
+/// The attributes of regions, as [`Refined::attributes`] has them.
+#[doc(hidden)]
+pub fn attributes_of(regions: &[RegionInfo]) -> Option<Vec<f64>> {
+    let attribute = |(region, info): (u32, &RegionInfo)| {
+        if info.attribute == 0.0 { f64::from(region) } else { info.attribute }
+    };
+    let all: Vec<f64> = (0..).zip(regions).map(attribute).collect();
+    let is_own = (0..).zip(&all).all(|(region, &value)| value == f64::from(region));
+    (!is_own).then_some(all)
+}
+
 impl Refined {
     /// The Delaunay mesh, exterior included: input vertices keep their indices, the domain's points
     /// follow in their order, then new ones along a Hilbert curve.
@@ -67,12 +78,7 @@ impl Refined {
     /// else the region's own number, so that 0 is the exterior alone (files have 0 for no
     /// attribute). `None` where these are the numbers of the regions: they tell nothing more.
     pub fn attributes(&self) -> Option<Vec<f64>> {
-        let attribute = |(region, info): (u32, &RegionInfo)| {
-            if info.attribute == 0.0 { f64::from(region) } else { info.attribute }
-        };
-        let all: Vec<f64> = (0..).zip(&self.regions).map(attribute).collect();
-        let is_own = (0..).zip(&all).all(|(region, &value)| value == f64::from(region));
-        (!is_own).then_some(all)
+        attributes_of(&self.regions)
     }
 
     /// Gives the boundary triangles markers in place of those of the domain's facets: one for each

@@ -1,13 +1,13 @@
 //! Rounds that others carry out, on many processors: they get the mesh at the start, and hand over
-//! what they have when they are done, or at a step that takes the whole mesh.
+//! what they have when they are done, or at a step that takes the whole mesh; or they keep it.
 
 mod border;
+mod parts;
 
 use super::{Refiner, Run, START, START_WITH_PATCHES};
 use crate::complex::carrier::Carrier;
 use crate::fill::Points;
 use crate::mesh::item::Item;
-use crate::mesh::key::{OrderKey, order_key};
 use crate::mesh::limit::Limit;
 use crate::mesh::marks::{ENDS, Marks, Word, edge_bit, face_bit};
 use crate::mesh::region::RegionInfo;
@@ -375,33 +375,20 @@ impl State {
     /// Numbers all vertices: those that the domain says as there. Counts the others.
     fn number_all(&mut self) -> Points {
         let mut points = Points::default();
-        let mut next = self.plc.count() as Vertex;
-        let first = self.plc.corners.len() as Vertex;
-        let given: Map<OrderKey, Vertex> = (first..)
-            .zip(&self.plc.points)
-            .map(|(number, own)| (order_key(&own.0), number))
-            .collect();
-        let number = |v: VertexId| given.get(&order_key(&self.at(v))).copied();
-        let own: Vec<Option<Vertex>> = match given.is_empty() {
-            true => Vec::new(),
-            // The first is the vertex at infinity.
-            false => std::iter::once(None)
-                .chain((1..self.carriers.len()).map(|v| number(VertexId::at(v))))
-                .collect(),
-        };
+        let given = self.plc.given_numbers();
+        let mut next = given.count;
+        let at = |v: usize| self.at(VertexId::at(v));
+        // The first is the vertex at infinity.
+        let all = self.carriers.iter().enumerate().skip(1);
+        let own: Vec<Option<Vertex>> = all.map(|(v, own)| given.of(*own, &at(v))).collect();
         let carriers = std::mem::take(&mut self.carriers);
         let numbers = self.mesh.numbers_mut();
-        for (v, carrier) in carriers.iter().enumerate().skip(1) {
-            let own = own.get(v).copied().flatten();
-            numbers[v] = match (carrier, own) {
-                (Carrier::Corner(c), _) => *c,
-                (_, Some(number)) => number,
-                _ => {
-                    next += 1;
-                    points.count(*carrier);
-                    next - 1
-                }
-            };
+        for ((v, carrier), own) in carriers.iter().enumerate().skip(1).zip(own) {
+            numbers[v] = own.unwrap_or_else(|| {
+                next += 1;
+                points.count(*carrier);
+                next - 1
+            });
         }
         self.carriers = carriers;
         self.mesh.set_next_number(next);

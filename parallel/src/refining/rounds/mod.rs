@@ -39,6 +39,7 @@
 //! | `reserved` | who has reserved what |
 //! | `way` | straight ways to proposed points |
 //! | `ranks` | a worker in each process of a team |
+//! | `parts` | processes that keep their parts in the end |
 
 mod ahead;
 mod barriers;
@@ -55,6 +56,8 @@ mod keys;
 mod leaders;
 mod left;
 mod mail;
+#[cfg(feature = "wire")]
+mod parts;
 mod probe;
 mod ranked;
 #[cfg(feature = "wire")]
@@ -73,7 +76,9 @@ mod under_way;
 mod way;
 
 #[cfg(feature = "wire")]
-pub use ranks::{Checkpoints, rounds_on_team};
+pub use parts::{Late, RefinedPart, RefinedWhole, SliverThere};
+#[cfg(feature = "wire")]
+pub use ranks::{Checkpoints, LateSteps, TeamRounds, Wishes, rounds_on_team};
 pub use reserved::unkilled;
 pub use source::{Ending, RoundFigures, Rounds};
 pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
@@ -341,10 +346,16 @@ fn begin<'c, C: Rules>(
     prepare(complex, start, &layout, config, source)
 }
 
-/// The part of a worker at the end of its rounds, and the work that it leaves.
-fn left_by<C: Rules>(worker: RoundNode<'_, C>) -> (Part, Left) {
+/// The mesh of a worker at the end of its rounds, and the work that it leaves.
+fn ended_by<C: Rules>(worker: RoundNode<'_, C>) -> (DomainMesh<'_>, Left) {
     let (mesh, source, _) = worker.into_parts();
     let left = source.into_left(&mesh);
+    (mesh, left)
+}
+
+/// As [`ended_by`], as a part that others take over.
+fn left_by<C: Rules>(worker: RoundNode<'_, C>) -> (Part, Left) {
+    let (mesh, left) = ended_by(worker);
     (Part::of(mesh), left)
 }
 
@@ -358,11 +369,8 @@ fn join(
     let (mut parts, mut asked, mut all_thin) = (Vec::new(), Vec::new(), Vec::new());
     let (mut refused, mut all_tets, mut all_slivers) = (Vec::new(), Vec::new(), Some(Vec::new()));
     let (mut ending, mut candidates, mut blocks) = (Ending::Done, 0, Vec::new());
-    let begin = *figures;
-    let before_all = [begin.searches, begin.ahead];
-    let mut sums = before_all;
+    let (begin, mut told) = (*figures, Vec::new());
     for (part, left) in all {
-        let own = left.figures;
         all_thin.push(left.thin);
         // All have begun with slivers, or none.
         all_slivers = all_slivers.zip(left.slivers).map(|(mut all, own): (Vec<_>, _)| {
@@ -371,28 +379,20 @@ fn join(
         });
         all_tets.push(left.refused_tets);
         asked.extend(left.asked);
-        let counts = [own.searches, own.ahead].into_iter().zip(before_all);
-        let add = |(sum, (own, before)): (&mut u64, (u64, u64))| *sum += own.saturating_sub(before);
-        sums.iter_mut().zip(counts).for_each(add);
+        match left.worker == WorkerId::default() {
+            true => told.insert(0, left.figures),
+            false => told.push(left.figures),
+        }
         if left.worker == WorkerId::default() {
             ending = left.ending.unwrap_or(Ending::Irregular);
-            (candidates, *figures, refused) = (left.candidates, own, left.refused);
+            (candidates, refused) = (left.candidates, left.refused);
             blocks = left.blocks;
         }
         parts.push(part);
     }
-    [figures.searches, figures.ahead] = sums;
+    *figures = RoundFigures::summed(&told, begin);
     let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
-    // The engine may have carried out rounds, too.
-    let rounds = [0, 1, 2, 3].map(|k| figures.rounds[k] - begin.rounds[k]);
-    let stats = RefineStats {
-        rounds: before.rounds + rounds[0],
-        rounds_with: [0, 1, 2].map(|k| before.rounds_with[k] + rounds[k + 1]),
-        searches: before.searches + figures.searches - begin.searches,
-        widest: before.widest.max(figures.widest),
-        round_points: before.round_points + figures.points - begin.points,
-        ..before
-    };
+    let stats = figures.after(&begin, before);
     let tets = firsts.iter().zip(all_tets).flat_map(|(first, own)| {
         own.into_iter().map(move |(t, why)| (TetId::at(first + t.index()), why))
     });

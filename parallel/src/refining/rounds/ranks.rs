@@ -1,14 +1,17 @@
-//! Rounds by a worker in each process of a team: all begin from the same start, and the first one
-//! puts together what they leave, as it does with threads.
+//! Rounds by a worker in each process of a team: all begin from the same start. In the end each
+//! keeps its part; where something is left that takes the whole mesh the first one puts together
+//! what they leave, as it does with threads.
 
+use super::parts::{Ended, Late, Own, RefinedPart};
 use super::{
-    Ending, Left, Resumed, RoundNode, Then, ThreadedRounds, begin, finish, go_on, join, left_by,
+    Ending, Left, Resumed, RoundNode, Then, ThreadedRounds, begin, ended_by, finish, go_on, join,
     told_of,
 };
 use crate::mesh::share::{Share, put_back, share_of};
 use crate::mesh::{SharedInput, VertexName};
 use crate::protocol::Correct;
 use crate::refining::RefineError;
+use crate::refining::domain::DomainMesh;
 use crate::refining::whole::{Owners, Part};
 use crate::team::{Post, Team, TeamError};
 use crate::threads::{Parallel, RunError, WorkerStats};
@@ -18,6 +21,7 @@ use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_exact::Mode;
 use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, RefineStats, Refiner, Start};
+use std::time::Instant;
 
 /// A worker's part and the work that it leaves, as they travel.
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -77,8 +81,51 @@ impl std::fmt::Debug for Checkpoints<'_> {
     }
 }
 
+/// The things that are asked for beside a mesh: the same at all members, but for checkpoints.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wishes<'k> {
+    /// Checkpoints on the way.
+    pub checkpoints: Checkpoints<'k>,
+    /// Each member keeps its part, where nothing is left that takes the whole mesh.
+    pub in_parts: bool,
+    /// Markers of the domain's facets in place of their own.
+    pub markers: Option<&'k [i32]>,
+}
+
+/// A domain that a team has refined, as one member has it.
+#[derive(Debug)]
+pub enum TeamRounds {
+    /// Its part.
+    Part(Box<RefinedPart>),
+    /// The whole, at the first member: why, and since when.
+    Whole(Box<ThreadedRounds>, LateSteps),
+    /// Nothing, as the first member has the whole.
+    Elsewhere,
+}
+
+impl TeamRounds {
+    /// The whole mesh, if this member has it.
+    pub fn into_whole(self) -> Option<ThreadedRounds> {
+        match self {
+            Self::Whole(whole, _) => Some(*whole),
+            Self::Part(_) | Self::Elsewhere => None,
+        }
+    }
+}
+
+/// The work of one member on a whole mesh, in the end.
+#[derive(Clone, Copy, Debug)]
+pub struct LateSteps {
+    /// Why.
+    pub why: Late,
+    /// Tetrahedra that it was given by the others, its own among them.
+    pub tets: u64,
+    /// The time from where the others had ended.
+    pub seconds: f64,
+}
+
 /// Refines a domain in rounds as one member of a team, all of whose members are given the same
-/// domain and bounds. The first one gets the mesh, the others nothing.
+/// domain and bounds.
 ///
 /// # Errors
 /// [`RefineError`] if the domain has no mesh, if a member has failed, or if a checkpoint makes no
@@ -88,8 +135,8 @@ pub fn rounds_on_team<P: Post>(
     (domain, lattice): (&Domain, &Lattice),
     (parallel, cancel): (&Parallel<'_>, &CancelToken),
     team: &mut Team<P>,
-    checkpoints: Checkpoints<'_>,
-) -> Result<Option<ThreadedRounds>, RefineError> {
+    Wishes { checkpoints, in_parts, markers }: Wishes<'_>,
+) -> Result<TeamRounds, RefineError> {
     let delegated = refiner.delegate(domain, lattice);
     // A token is one process's own; whoever was stopped has another start.
     let is_stopped = team.is_any(cancel.is_cancelled()).map_err(of_team)?;
@@ -106,18 +153,27 @@ pub fn rounds_on_team<P: Post>(
     };
     let told: Option<(u64, Again)> = is_first.then_some((checkpoints.every, from));
     let (every, from) = team.tell_value(told).map_err(of_team)?;
-    let mut member = Member { parallel, team, stats, every };
+    let ends = Ends { in_parts, markers, fine_step: lattice.fine_step() };
+    let mut member = Member { parallel, team, stats, every, ends };
     match delegated {
         own if is_first => {
             let mut own = own?;
             if let Some((_, resumed)) = &from {
                 own.go_on_from(&resumed.left, stats_then);
             }
-            member.lead(own, is_stopped, from, checkpoints.keep).map(Some)
+            member.lead(own, is_stopped, from, checkpoints.keep)
         }
-        _ if is_stopped => Ok(None),
-        own => member.follow(&own?, from).map(|()| None),
+        _ if is_stopped => Ok(TeamRounds::Elsewhere),
+        own => member.follow(&own?, from),
     }
+}
+
+/// The way in which a refinement is to end.
+#[derive(Clone, Copy)]
+struct Ends<'p> {
+    in_parts: bool,
+    markers: Option<&'p [i32]>,
+    fine_step: f64,
 }
 
 /// One member's part in a refinement.
@@ -127,6 +183,22 @@ struct Member<'m, 'p, P> {
     stats: WorkerStats,
     /// Rounds from one checkpoint to the next, if there are any.
     every: u64,
+    ends: Ends<'p>,
+}
+
+/// A member's mesh at the end of its rounds, the work that it leaves, and what all begin with.
+struct Rest<'c> {
+    mesh: DomainMesh<'c>,
+    left: Left,
+    common: SharedInput,
+}
+
+/// The end of rounds, if they are the last.
+enum Stays {
+    /// The own part.
+    Part(Box<RefinedPart>),
+    /// Why one member takes over.
+    Not(Late),
 }
 
 /// The parts of all members, each with the work that it leaves, and the figures of all.
@@ -142,7 +214,7 @@ impl<P: Post> Member<'_, '_, P> {
         complex: Complex<'c>,
         start: &Start,
         resumed: &mut Resumed,
-    ) -> Result<((Part, Left), SharedInput), RefineError> {
+    ) -> Result<Rest<'c>, RefineError> {
         let before = resumed.figures.rounds[0];
         resumed.border = (self.every > 0).then(|| before.saturating_add(self.every));
         let layout = (self.parallel.plan_for(start.points.len()), self.parallel.config());
@@ -152,7 +224,30 @@ impl<P: Post> Member<'_, '_, P> {
             nodes.into_iter().nth(me.index()).ok_or_else(|| of_team(TeamError::Failed(me)))?;
         let (node, stats) = self.parallel.run_on(self.team, node)?;
         self.stats.add(&stats);
-        Ok((left_by(node), common))
+        let (mesh, left) = ended_by(node);
+        Ok(Rest { mesh, left, common })
+    }
+
+    /// Lets all members keep their parts, if each may.
+    fn stay(
+        &mut self,
+        rest: &Rest<'_>,
+        delegated: &Delegated<'_>,
+        (start, resumed): (&Start, &Resumed),
+    ) -> Result<Stays, RefineError> {
+        let Ends { in_parts, markers, fine_step } = self.ends;
+        if !in_parts {
+            return Ok(Stays::Not(Late::Asked));
+        }
+        let ended = Ended { mesh: &rest.mesh, left: &rest.left, start };
+        let all: Vec<Option<Late>> =
+            self.team.gather_all(&ended.why_whole(delegated)).map_err(of_team)?;
+        if let Some(why) = all.into_iter().flatten().min() {
+            return Ok(Stays::Not(why));
+        }
+        let own = Own { stats: self.stats, begin: resumed.figures, fine_step, markers };
+        let part = ended.keep(self.team, delegated, own).map_err(of_team)?;
+        Ok(Stays::Part(Box::new(part)))
     }
 
     /// The first one's: puts together what all leave, and takes over.
@@ -162,9 +257,11 @@ impl<P: Post> Member<'_, '_, P> {
         is_stopped: bool,
         mut from: Again,
         keep: Option<Keep<'_>>,
-    ) -> Result<ThreadedRounds, RefineError> {
+    ) -> Result<TeamRounds, RefineError> {
         let (mut resumed, mut firsts, mut workers) = (Resumed::default(), Vec::new(), Vec::new());
         let mut ended = Ending::Done;
+        let (mut late, mut since) = (Late::Alone, Instant::now());
+        let mut tets = None;
         // Ends as with threads: each time at least one item of a circle is split, or refused.
         let (refined, ending) = loop {
             let (complex, mut start) = match delegated.complex() {
@@ -178,12 +275,20 @@ impl<P: Post> Member<'_, '_, P> {
             if let Some(kept) = from.take() {
                 (start, resumed) = kept;
             }
-            let (left, common) = self.refine(complex, &start, &mut resumed)?;
+            let rest = self.refine(complex, &start, &mut resumed)?;
+            since = Instant::now();
+            match self.stay(&rest, &delegated, (&start, &resumed))? {
+                Stays::Part(part) => return Ok(TeamRounds::Part(part)),
+                Stays::Not(why) => late = why,
+            }
+            let Rest { mesh, left, common } = rest;
+            let left = (Part::of(mesh), left);
             let Collected { parts: all, stats } = self.collect(left, &common)?;
             workers = stats;
             let before = (&start, delegated.stats());
             let (handed, ending, slots) = join(all, common, before, &mut resumed.figures)?;
             firsts = slots;
+            tets = Some(handed.mesh.num_tets() as u64);
             resumed.figures.ended += u64::from(ending != Ending::Border);
             ended = told_of(ended, ending);
             match go_on(&mut delegated, handed, (ending, resumed.figures))? {
@@ -206,23 +311,35 @@ impl<P: Post> Member<'_, '_, P> {
             }
         };
         let (owners, figures) = (Owners(firsts), resumed.figures);
-        Ok(ThreadedRounds { refined, workers, owners, ending, figures })
+        let tets = tets.unwrap_or_else(|| refined.mesh().num_tets() as u64);
+        let late = LateSteps { why: late, tets, seconds: since.elapsed().as_secs_f64() };
+        let whole = ThreadedRounds { refined, workers, owners, ending, figures };
+        Ok(TeamRounds::Whole(Box::new(whole), late))
     }
 
-    /// The others': each sends what it leaves, and goes on where the first one says.
-    fn follow(&mut self, delegated: &Delegated<'_>, from: Again) -> Result<(), RefineError> {
+    /// The others': each keeps its part, or sends it with what it leaves, and goes on where the
+    /// first one says.
+    fn follow(
+        &mut self,
+        delegated: &Delegated<'_>,
+        from: Again,
+    ) -> Result<TeamRounds, RefineError> {
         let Ok((complex, start)) = delegated.complex() else {
             // The first one refines it alone.
-            return Ok(());
+            return Ok(TeamRounds::Elsewhere);
         };
         let begin = from.unwrap_or_else(|| (start, Resumed::default()));
         let (mut complex, mut again) = (complex, begin);
         // Ends with the first one's loop.
         loop {
-            let (left, _) = self.refine(complex, &again.0, &mut again.1)?;
+            let rest = self.refine(complex, &again.0, &mut again.1)?;
+            if let Stays::Part(part) = self.stay(&rest, delegated, (&again.0, &again.1))? {
+                return Ok(TeamRounds::Part(part));
+            }
+            let left = (Part::of(rest.mesh), rest.left);
             self.team.send_parcel(&Parcel::of(left, self.stats)).map_err(of_team)?;
             match self.team.tell_value(None::<Again>).map_err(of_team)? {
-                None => return Ok(()),
+                None => return Ok(TeamRounds::Elsewhere),
                 Some(told) => again = told,
             }
             // The boundary and the bounds are those at the start.

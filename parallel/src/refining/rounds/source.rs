@@ -20,6 +20,7 @@ use crate::protocol::{
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{DomainNews, Fate, KeysTold, Sums, WireLimit};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_refine::RefineStats;
 use std::collections::{BTreeSet, VecDeque};
 use std::marker::PhantomData;
 
@@ -60,6 +61,32 @@ pub struct RoundFigures {
     pub barriers: u64,
     /// Times that all workers had ended, and one took over.
     pub ended: u64,
+}
+
+impl RoundFigures {
+    /// The figures of all workers, the first one's first, which began with `begin`.
+    pub(super) fn summed(all: &[Self], begin: Self) -> Self {
+        let sum = |of: fn(&Self) -> u64| {
+            let before = of(&begin);
+            all.iter().fold(before, |sum, own| sum + of(own).saturating_sub(before))
+        };
+        let (searches, ahead) = (sum(|own| own.searches), sum(|own| own.ahead));
+        Self { searches, ahead, ..all.first().copied().unwrap_or(begin) }
+    }
+
+    /// The figures of a refinement that had others before the rounds since `begin`.
+    pub(super) fn after(&self, begin: &Self, before: RefineStats) -> RefineStats {
+        // The engine may have carried out rounds, too.
+        let rounds = [0, 1, 2, 3].map(|k| self.rounds[k] - begin.rounds[k]);
+        RefineStats {
+            rounds: before.rounds + rounds[0],
+            rounds_with: [0, 1, 2].map(|k| before.rounds_with[k] + rounds[k + 1]),
+            searches: before.searches + self.searches - begin.searches,
+            widest: before.widest.max(self.widest),
+            round_points: before.round_points + self.points - begin.points,
+            ..before
+        }
+    }
 }
 
 /// New tetrahedra that are looked at together, when it is not all that are left.

@@ -61,6 +61,24 @@ pub enum ConformityDefect {
 }
 
 impl ConformityDefect {
+    /// All of them, in order.
+    pub(crate) const EVERY: [Self; 14] = [
+        Self::TooFine,
+        Self::VertexMissing,
+        Self::SegmentBroken,
+        Self::FacetDegenerate,
+        Self::FacetNotTiled,
+        Self::PatchFolded,
+        Self::HullFaceOffFacet,
+        Self::TagsDiffer,
+        Self::TagNotOfSeed,
+        Self::HoleMeshed,
+        Self::RegionNotMeshed,
+        Self::RatioExceeded,
+        Self::VolumeExceeded,
+        Self::EdgeExceeded,
+    ];
+
     /// The breach in words, for people.
     pub fn text(self) -> &'static str {
         match self {
@@ -119,6 +137,8 @@ pub struct Conformity {
     pub tests: (u64, u64),
     /// Sets of facets that are coplanar within the tolerance, but not exactly.
     pub patches: u64,
+    /// Number of parts in which the mesh was checked, if it was so.
+    pub parts: Option<u64>,
     /// The volume is that of the domain within this much, by its patches.
     pub volume_within: f64,
     /// Steps of the searches on facets and edges: a measure of their cost that does not

@@ -69,7 +69,7 @@ impl Run<'_> {
     }
 
     /// The edges of polygons that have to be in the mesh, and the segments, each once.
-    fn wanted(&self, groups: &[u32]) -> Vec<[u32; 2]> {
+    pub(super) fn wanted(&self, groups: &[u32]) -> Vec<[u32; 2]> {
         let continued = self.continued(groups);
         let polygons = self.plc.facets.iter().flat_map(|facet| &facet.polygons);
         let sides = polygons.flat_map(|polygon| {
@@ -83,6 +83,35 @@ impl Run<'_> {
         wanted
     }
 
+    /// The vertices of the mesh on each of some edges of the domain, by their places along it.
+    pub(super) fn chains(
+        &mut self,
+        wanted: &[[u32; 2]],
+        corners: &[Whole],
+        points: &[Whole],
+        tree: &Tree<'_>,
+    ) -> Vec<Vec<(i128, u32)>> {
+        let parts = pieces_of(PIECE, wanted.len(), |range| {
+            let (mut chains, mut steps) = (Vec::new(), 0);
+            for ends in &wanted[range] {
+                let [a, b] = ends.map(|v| corners[v as usize]);
+                let mut chain: Vec<(i128, u32)> = Vec::new();
+                steps += tree.search(&Shape::segment(&a, &b), |v| {
+                    chain.extend(along(a, b, points[v as usize]).map(|place| (place, v)));
+                });
+                chain.sort_unstable();
+                chains.push(chain);
+            }
+            (chains, steps)
+        });
+        let mut all = Vec::with_capacity(wanted.len());
+        for (chains, steps) in parts {
+            self.out.steps += steps;
+            all.extend(chains);
+        }
+        all
+    }
+
     /// Every edge of a polygon and every segment is a chain of edges of the mesh. Returns these.
     pub(super) fn edges(
         &mut self,
@@ -92,23 +121,12 @@ impl Run<'_> {
         groups: &[u32],
     ) -> HashSet<[u32; 2]> {
         let wanted = self.wanted(groups);
-        let parts = pieces_of(PIECE, wanted.len(), |range| {
-            let (mut links, mut steps) = (Vec::new(), 0);
-            for ends in &wanted[range] {
-                let [a, b] = ends.map(|v| corners[v as usize]);
-                let mut chain: Vec<(i128, u32)> = Vec::new();
-                steps += tree.search(&Shape::segment(&a, &b), |v| {
-                    chain.extend(along(a, b, points[v as usize]).map(|place| (place, v)));
-                });
-                chain.sort_unstable();
-                links.extend(chain.windows(2).map(|pair| (edge(pair[0].1, pair[1].1), *ends)));
-            }
-            (links, steps)
-        });
         let mut links: HashMap<[u32; 2], Vec<[u32; 2]>> = HashMap::new();
-        for (part, steps) in parts {
-            self.out.steps += steps + part.len() as u64;
-            part.into_iter().for_each(|(link, ends)| links.entry(link).or_default().push(ends));
+        for (ends, chain) in wanted.iter().zip(self.chains(&wanted, corners, points, tree)) {
+            self.out.steps += chain.len() as u64;
+            for pair in chain.windows(2) {
+                links.entry(edge(pair[0].1, pair[1].1)).or_default().push(*ends);
+            }
         }
         let chains = links.keys().copied().collect();
         for tet in self.mesh.tets {

@@ -28,6 +28,7 @@ mod finding;
 mod flat;
 mod incidence;
 mod outline;
+mod parted;
 mod patch;
 mod place;
 mod plc;
@@ -48,6 +49,7 @@ use exterior::Exterior;
 use facet::FlatFacet;
 pub use finding::{Conformity, ConformityDefect, Finding, Limits};
 use num_bigint::BigInt;
+pub use parted::{DomainPart, conforms_parted};
 use patch::InUnits;
 use place::{groups, holds};
 pub use plc::{Plc, PlcFacet};
@@ -77,17 +79,21 @@ pub fn conforms(
         return run.out;
     };
     let points: Vec<Whole> = mesh.points.iter().map(|p| units.whole(p)).collect();
-    if let Some(exterior) = Exterior::find(plc, &units, mesh, &points) {
+    let present = run.present(&units, &points);
+    if let Some(exterior) = Exterior::find(plc, &units, &present) {
         left = exterior.left(plc);
         (run.plc, run.exterior) = (&left, exterior);
     }
+    run.vertices(&present);
     let (on_facets, on_patches) = run.boundary(&units, &points, &faces, tags);
     run.hull(&faces, &on_facets);
     let cells = run.cells(&faces, &on_facets, tags);
     let seeds = run.seeds(&units, &points);
-    run.numbers(&cells, &seeds, tags.filter(|_| options.numbered_regions));
-    run.volume(&units, &points);
+    let seeds = run.regions(&seeds).map(|seed| seed.map(|t| cells[t]));
+    let seeds: Vec<Option<u32>> = seeds.collect();
     let regions = Regions { cells: &cells, seeds: &seeds };
+    run.numbers(regions, tags.filter(|_| options.numbered_regions));
+    run.out.volume = Some(units.sixth(&run.six_volumes(&points)));
     run.bounds(&units, &points, limits, regions, &on_patches);
     run.out
 }
@@ -106,8 +112,8 @@ struct Run<'a> {
 struct Regions<'a> {
     /// That of each tetrahedron.
     cells: &'a [u32],
-    /// A tetrahedron of each region.
-    seeds: &'a [Option<usize>],
+    /// That of each region of the domain.
+    seeds: &'a [Option<u32>],
 }
 
 /// An edge, its ends ascending.
@@ -151,8 +157,48 @@ impl Run<'_> {
         faces.filter(|_| self.out.mesh_defect_count == 0)
     }
 
-    /// Vertices, edges and facets of the domain; returns the codes of the faces on facets, and per
-    /// vertex the patches that it is on.
+    /// Which points tetrahedra have.
+    fn used(&self) -> Vec<bool> {
+        let mut used = vec![false; self.mesh.points.len()];
+        self.mesh.tets.iter().flatten().for_each(|&v| used[v as usize] = true);
+        used
+    }
+
+    /// Which vertices of the domain the mesh has.
+    fn present(&self, units: &Units, points: &[Whole]) -> Vec<bool> {
+        let used = self.used();
+        let used = points.iter().zip(&used).filter(|(_, used)| **used);
+        let places: HashSet<Whole> = used.map(|(p, _)| *p).collect();
+        self.plc.vertices.iter().map(|p| places.contains(&units.whole(p))).collect()
+    }
+
+    /// Every vertex of the domain is there.
+    fn vertices(&mut self, present: &[bool]) {
+        for (v, &is_there) in present.iter().enumerate() {
+            if !is_there && !self.exterior.has_vertex(v) {
+                self.add(ConformityDefect::VertexMissing, &[v as u32]);
+            }
+        }
+    }
+
+    /// The facets in their planes; `None` of those without.
+    fn flats(&self, units: &Units, corners: &[Whole]) -> Vec<Option<FlatFacet>> {
+        let flat = |facet: &PlcFacet| {
+            let holes: Vec<Whole> = facet.holes.iter().map(|p| units.whole(p)).collect();
+            FlatFacet::new(&facet.polygons, &holes, |v| corners[v as usize])
+        };
+        self.plc.facets.iter().map(flat).collect()
+    }
+
+    /// A facet is in no plane.
+    fn degenerate(&mut self, f: u32) {
+        if !self.exterior.has_facet(f as usize) {
+            self.add(ConformityDefect::FacetDegenerate, &[f]);
+        }
+    }
+
+    /// Edges and facets of the domain; returns the codes of the faces on facets, and per vertex the
+    /// patches that it is on.
     fn boundary(
         &mut self,
         units: &Units,
@@ -161,28 +207,14 @@ impl Run<'_> {
         tags: Option<&[i64]>,
     ) -> (HashSet<u32>, Vec<Vec<u32>>) {
         let corners: Vec<Whole> = self.plc.vertices.iter().map(|p| units.whole(p)).collect();
-        let mut used = vec![false; points.len()];
-        self.mesh.tets.iter().flatten().for_each(|&v| used[v as usize] = true);
-        let place: HashMap<Whole, u32> =
-            (0u32..).zip(points).filter(|(v, _)| used[*v as usize]).map(|(v, p)| (*p, v)).collect();
-        for (v, p) in (0u32..).zip(&corners) {
-            if !place.contains_key(p) && !self.exterior.has_vertex(v as usize) {
-                self.add(ConformityDefect::VertexMissing, &[v]);
-            }
-        }
-        let mut facets = Vec::new();
-        for (f, facet) in (0u32..).zip(&self.plc.facets) {
-            let holes: Vec<Whole> = facet.holes.iter().map(|p| units.whole(p)).collect();
-            let flat = FlatFacet::new(&facet.polygons, &holes, |v| corners[v as usize]);
-            if flat.is_none() && !self.exterior.has_facet(f as usize) {
-                self.add(ConformityDefect::FacetDegenerate, &[f]);
-            }
-            facets.push(flat);
-        }
+        let facets = self.flats(units, &corners);
+        let degenerate = (0u32..).zip(&facets).filter(|(_, flat)| flat.is_none()).map(|own| own.0);
+        degenerate.for_each(|f| self.degenerate(f));
         let patches = flat::find(self.plc, &corners).unwrap_or_else(|| {
             self.add(ConformityDefect::TooFine, &[]);
             Vec::new()
         });
+        let used = self.used();
         let order = (0..points.len() as u32).filter(|&v| used[v as usize]);
         let tree = Tree::new(points, order.collect());
         let on = self.vertices_on(&facets, &corners, &tree);
@@ -243,8 +275,8 @@ impl Run<'_> {
         cell
     }
 
-    /// Locates the points of holes and the seeds of regions; returns a tetrahedron per region.
-    fn seeds(&mut self, units: &Units, points: &[Whole]) -> Vec<Option<usize>> {
+    /// A tetrahedron of each point of a hole, and then of each seed of a region, if it is in one.
+    fn seeds(&self, units: &Units, points: &[Whole]) -> Vec<Option<usize>> {
         let (mesh, plc) = (self.mesh, self.plc);
         let all: Vec<&Point> = plc.holes.iter().chain(&plc.regions).collect();
         // Rounded likewise, so that what is in a box stays in it.
@@ -264,18 +296,27 @@ impl Run<'_> {
         for (k, t) in parts.into_iter().flatten() {
             seeds[k].get_or_insert(t);
         }
-        let regions = seeds.split_off(plc.holes.len());
-        for (k, t) in (0u32..).zip(seeds).filter_map(|(k, t)| Some((k, t?))) {
-            self.add(ConformityDefect::HoleMeshed, &[k, t as u32]);
-        }
-        for (k, _) in (0u32..).zip(&regions).filter(|(_, seed)| seed.is_none()) {
-            self.add(ConformityDefect::RegionNotMeshed, &[k]);
-        }
-        regions
+        seeds
     }
 
-    /// The exact volume.
-    fn volume(&mut self, units: &Units, points: &[Whole]) {
+    /// No hole is meshed, and every region is; returns a tetrahedron of each region, of those that
+    /// hold holes and seeds.
+    fn regions<'s>(
+        &mut self,
+        seeds: &'s [Option<usize>],
+    ) -> impl Iterator<Item = Option<usize>> + 's {
+        let (holes, regions) = seeds.split_at(self.plc.holes.len());
+        for (k, t) in (0u32..).zip(holes).filter_map(|(k, t)| Some((k, (*t)?))) {
+            self.add(ConformityDefect::HoleMeshed, &[k, t as u32]);
+        }
+        for (k, _) in (0u32..).zip(regions).filter(|(_, seed)| seed.is_none()) {
+            self.add(ConformityDefect::RegionNotMeshed, &[k]);
+        }
+        regions.iter().copied()
+    }
+
+    /// Six times the exact volume, in cubic units.
+    fn six_volumes(&self, points: &[Whole]) -> BigInt {
         let parts = pieces(self.mesh.tets.len(), |range| {
             let six = |t: usize| {
                 let six = six_volumes(self.mesh.tets[t].map(|v| points[v as usize]));
@@ -283,7 +324,7 @@ impl Run<'_> {
             };
             range.map(six).sum::<BigInt>()
         });
-        self.out.volume = Some(units.sixth(&parts.into_iter().sum()));
+        parts.into_iter().sum()
     }
 
     /// The bounds of every tetrahedron.
@@ -296,8 +337,8 @@ impl Run<'_> {
         on_patches: &[Vec<u32>],
     ) {
         let Regions { cells, seeds } = regions;
-        let own = |bound: &Option<f64>, seed: &Option<usize>| {
-            Some((cells[(*seed)?], units.cubic(bound.filter(|&b| b > 0.0)?)))
+        let own = |bound: &Option<f64>, seed: &Option<u32>| {
+            Some(((*seed)?, units.cubic(bound.filter(|&b| b > 0.0)?)))
         };
         let pairs = limits.region_volumes.iter().zip(seeds);
         let regions: HashMap<u32, f64> = pairs.filter_map(|(b, s)| own(b, s)).collect();

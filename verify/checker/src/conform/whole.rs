@@ -20,18 +20,27 @@ impl Units {
     /// The largest unit of which all coordinates are multiples; `None` if one has more than 2^60
     /// of them or is not finite.
     pub(crate) fn of(points: &[&[Point]]) -> Option<Self> {
+        let units = Self::at(Self::lowest(points)?);
+        units.fit_all(points).then_some(units)
+    }
+
+    /// The exponent of that unit, however many of it a coordinate has; the largest number if all
+    /// are zero, and `None` if one is not finite.
+    pub(crate) fn lowest(points: &[&[Point]]) -> Option<i32> {
         let all = || points.iter().flat_map(|list| list.iter());
-        if !all().all(|p| p.iter().all(|c| c.is_finite())) {
-            return None;
-        }
-        let low = points
-            .iter()
-            .map(|list| list.iter().filter(|p| p.iter().any(|&c| c != 0.0)))
-            .flat_map(|list| list.map(|p| lowest_bit(&[p])))
-            .min()
-            .unwrap_or(0);
-        let units = Self { low };
-        all().all(|p| p.iter().all(|&c| units.fits(c))).then_some(units)
+        let is_finite = all().all(|p| p.iter().all(|c| c.is_finite()));
+        let nonzero = all().filter(|p| p.iter().any(|&c| c != 0.0));
+        is_finite.then(|| nonzero.map(|p| lowest_bit(&[p])).min().unwrap_or(i32::MAX))
+    }
+
+    /// The unit with such an exponent.
+    pub(crate) fn at(lowest: i32) -> Self {
+        Self { low: if lowest == i32::MAX { 0 } else { lowest } }
+    }
+
+    /// Has no coordinate more than 2^60 of them?
+    pub(crate) fn fit_all(&self, points: &[&[Point]]) -> bool {
+        points.iter().flat_map(|list| list.iter()).all(|p| p.iter().all(|&c| self.fits(c)))
     }
 
     fn fits(&self, c: f64) -> bool {

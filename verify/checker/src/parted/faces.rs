@@ -16,21 +16,21 @@ use crate::predicates::Sphere;
 
 /// A corner of a face that travels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Vertex {
+pub(crate) struct Vertex {
     /// Its number by coordinates.
-    pub(super) by_place: u32,
-    pub(super) corner: Corner,
+    pub(crate) by_place: u32,
+    pub(crate) corner: Corner,
 }
 
 /// A face of a tetrahedron.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Facet {
+pub(crate) struct Facet {
     /// Its vertices, outward if the tetrahedron is turned to positive, then the one opposite it.
-    pub(super) v: [Vertex; 4],
+    pub(crate) v: [Vertex; 4],
     /// The tetrahedron's number.
-    pub(super) tet: u32,
+    pub(crate) tet: u32,
     /// Its sign.
-    pub(super) sign: i8,
+    pub(crate) sign: i8,
 }
 
 impl Record for Facet {
@@ -63,7 +63,7 @@ impl Record for Facet {
 
 impl Facet {
     /// The numbers of its vertices, ascending: the same for both sides of a face.
-    pub(super) fn key(&self) -> [u32; 3] {
+    pub(crate) fn key(&self) -> [u32; 3] {
         let [a, b, c, _] = self.v.map(|v| v.by_place);
         let mut key = [a, b, c];
         key.sort_unstable();
@@ -71,18 +71,18 @@ impl Facet {
     }
 
     /// The coordinates of its vertices, outward.
-    pub(super) fn outward(&self) -> [&Point; 3] {
+    pub(crate) fn outward(&self) -> [&Point; 3] {
         let [a, b, c, _] = &self.v;
         [a, b, c].map(|v| &v.corner.at)
     }
 
     /// The vertex opposite it.
-    pub(super) fn apex(&self) -> &Vertex {
+    pub(crate) fn apex(&self) -> &Vertex {
         &self.v[3]
     }
 
     /// Its tetrahedron, positive.
-    pub(super) fn positive(&self) -> [&Point; 4] {
+    pub(crate) fn positive(&self) -> [&Point; 4] {
         let [a, b, c, d] = &self.v;
         [a, c, b, d].map(|v| &v.corner.at)
     }
@@ -97,7 +97,7 @@ impl Facet {
 }
 
 /// The faces of a part that are not of two of its tetrahedra.
-pub(super) fn surface<'a>(
+pub(crate) fn surface<'a>(
     mesh: &'a Oriented<'a>,
     faces: &'a Faces,
     names: impl Fn(u32) -> Vertex + 'a,
@@ -113,22 +113,33 @@ pub(super) fn surface<'a>(
 }
 
 /// The faces that have met at this member.
-pub(super) struct Met {
+pub(crate) struct Met {
     /// Facets of the hull, in the order of their vertices.
-    pub(super) hull: Vec<Facet>,
+    pub(crate) hull: Vec<Facet>,
+    /// Pairs of faces, in the same order, if they are kept.
+    pub(crate) pairs: Vec<[Facet; 2]>,
     /// Different faces.
-    pub(super) count: u64,
+    pub(crate) count: u64,
     /// The tests of orientation: none but folds.
-    pub(super) orientation: Partial,
+    pub(crate) orientation: Partial,
     /// The tests of pairs.
-    pub(super) levels: Levels,
+    pub(crate) levels: Levels,
+}
+
+/// Demands on the faces that meet.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked {
+    /// Ties are tested.
+    pub(crate) canonical: bool,
+    /// Pairs are kept.
+    pub(crate) pairs: bool,
 }
 
 /// Lets the surfaces of all parts meet.
-pub(super) fn meet<E: Exchange>(
+pub(crate) fn meet<E: Exchange>(
     team: &mut E,
     surface: impl Iterator<Item = Facet>,
-    canonical: bool,
+    asked: Asked,
     found: &mut Found,
 ) -> Result<Met, E::Error> {
     let members = team.members();
@@ -136,12 +147,18 @@ pub(super) fn meet<E: Exchange>(
     let mut all: Vec<Facet> = all.into_iter().flatten().collect();
     all.sort_unstable_by_key(|facet| (facet.key(), facet.tet));
     let (orientation, levels) = (Partial::new(0), Levels::new(0));
-    let mut met = Met { hull: Vec::new(), count: 0, orientation, levels };
+    let (hull, pairs) = Default::default();
+    let mut met = Met { hull, pairs, count: 0, orientation, levels };
     for group in all.chunk_by(|a, b| a.key() == b.key()) {
         met.count += 1;
         match group {
             [facet] => met.hull.push(*facet),
-            [one, other] => met.pair([one, other], canonical, found),
+            [one, other] => {
+                met.pair([one, other], asked.canonical, found);
+                if asked.pairs {
+                    met.pairs.push([*one, *other]);
+                }
+            }
             _ => {
                 let tets: Vec<u32> = group.iter().map(|facet| facet.tet).collect();
                 let [a, b, c, _] = group[0].v.map(|v| v.corner);

@@ -8,25 +8,25 @@ use std::collections::BTreeMap;
 
 /// A vertex of a defect: its number among all points, and its coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Corner {
-    pub(super) number: u32,
-    pub(super) at: Point,
+pub(crate) struct Corner {
+    pub(crate) number: u32,
+    pub(crate) at: Point,
 }
 
 /// Defects with their coordinates: all are counted, and some of each kind are listed.
-pub(super) struct Found {
+pub(crate) struct Found {
     limit: usize,
-    pub(super) counts: BTreeMap<Kind, u64>,
+    pub(crate) counts: BTreeMap<Kind, u64>,
     listed: BTreeMap<Kind, Vec<Defect>>,
 }
 
 impl Found {
-    pub(super) fn new(limit: usize) -> Self {
+    pub(crate) fn new(limit: usize) -> Self {
         Self { limit, counts: BTreeMap::new(), listed: BTreeMap::new() }
     }
 
     /// Records one defect.
-    pub(super) fn add(&mut self, kind: Kind, tets: &[u32], corners: &[Corner]) {
+    pub(crate) fn add(&mut self, kind: Kind, tets: &[u32], corners: &[Corner]) {
         let vertices = corners.iter().map(|corner| corner.number).collect();
         let at = corners.iter().map(|corner| Some(corner.at)).collect();
         self.take(1, Defect { kind, tets: tets.to_vec(), vertices, at });
@@ -41,7 +41,7 @@ impl Found {
     }
 
     /// Records the findings in a part by itself, under the names that it has in the whole.
-    pub(super) fn local(&mut self, found: &Findings, points: &[Point], part: Names<'_>) {
+    pub(crate) fn local(&mut self, found: &Findings, points: &[Point], part: Names<'_>) {
         for mut defect in found.defects(points) {
             // A number of no vertex of the part stays as it is: it is the defect.
             let number = |v: &mut u32| *v = part.numbers.get(*v as usize).copied().unwrap_or(*v);
@@ -55,13 +55,13 @@ impl Found {
     }
 
     /// As [`Found::local`], of a sweep; its tests are in what is returned.
-    pub(super) fn sweep(&mut self, part: Partial, points: &[Point], names: Names<'_>) -> Partial {
+    pub(crate) fn sweep(&mut self, part: Partial, points: &[Point], names: Names<'_>) -> Partial {
         self.local(&part.findings, points, names);
         Partial { findings: Findings::new(0), ..part }
     }
 
     /// The defects that all members have found, in their order: the same at all.
-    pub(super) fn of_all<E: Exchange>(self, team: &mut E) -> Result<Self, E::Error> {
+    pub(crate) fn of_all<E: Exchange>(self, team: &mut E) -> Result<Self, E::Error> {
         let all = tell_all_bytes(team, &self.bytes())?;
         let mut sum = Self::new(self.limit);
         for (from, bytes) in all.iter().enumerate() {
@@ -73,7 +73,7 @@ impl Found {
     }
 
     /// The listed defects, by kind.
-    pub(super) fn into_listed(self) -> Vec<Defect> {
+    pub(crate) fn into_listed(self) -> Vec<Defect> {
         self.listed.into_values().flatten().collect()
     }
 
@@ -126,11 +126,11 @@ impl Found {
 
 /// The names of a part's tetrahedra and vertices in the whole mesh.
 #[derive(Clone, Copy)]
-pub(super) struct Names<'a> {
+pub(crate) struct Names<'a> {
     /// The number of the first tetrahedron.
-    pub(super) first: u32,
+    pub(crate) first: u32,
     /// The numbers of the vertices.
-    pub(super) numbers: &'a [u32],
+    pub(crate) numbers: &'a [u32],
 }
 
 /// Bytes that are read.

@@ -21,9 +21,9 @@
 //! part has a third one there. The third one's face is then a facet of the hull, and the theorem
 //! says that a mesh which has it fails a test of the hull: its name is another one then.
 
-mod exchange;
-mod faces;
-mod found;
+pub(crate) mod exchange;
+pub(crate) mod faces;
+pub(crate) mod found;
 mod hash;
 mod hull;
 mod vertices;
@@ -31,14 +31,15 @@ mod vertices;
 pub use exchange::Exchange;
 
 use crate::chunks::{Levels, Partial};
-use crate::defect::{Findings, Kind, Level};
+use crate::defect::{Defect, Findings, Kind, Level};
+use crate::faces::Faces;
 use crate::geometry::{self, Oriented};
 use crate::mesh::{Depth, Mesh, Options, Point, VertexOrder};
 use crate::predicates::Tally;
 use crate::report::{Counts, Hash, Ran, Report, outcomes};
 use crate::structure::{self, Sound};
 use exchange::{before, deal, member_of, sums, tell_all};
-use faces::{Facet, Met, Vertex};
+use faces::{Asked, Facet, Met, Vertex};
 use found::{Corner, Found, Names};
 use rayon::prelude::*;
 use vertices::{Own, Vertices};
@@ -74,6 +75,23 @@ pub fn check_parted<E: Exchange>(
     part: &Part<'_>,
     options: &Options,
 ) -> Result<Report, E::Error> {
+    let mut run = begin(team, part, options)?;
+    // A number is left for what is none.
+    if run.counts.tets.max(run.counts.points) >= u64::from(u32::MAX) {
+        if run.team.me() == 0 {
+            run.found.add(Kind::TooLarge, &[], &[]);
+        }
+        return run.report();
+    }
+    run.check()
+}
+
+/// A check at its begin.
+fn begin<'r, 'p, E: Exchange>(
+    team: &'r mut E,
+    part: &'r Part<'p>,
+    options: &'r Options,
+) -> Result<Run<'r, 'p, E>, E::Error> {
     let mesh = Mesh::new(part.points, part.tets);
     let fits = structure::fits(&mesh) && part.numbers.len() == part.points.len();
     let unfit = tell_all(team, &[u32::from(!fits)])?;
@@ -82,7 +100,7 @@ pub fn check_parted<E: Exchange>(
     }
     let [first, tets] = before(team, part.tets.len() as u64)?;
     let [given] = sums(team, [part.given.len() as u64])?;
-    let mut run = Run {
+    Ok(Run {
         team,
         part,
         mesh,
@@ -93,15 +111,8 @@ pub fn check_parted<E: Exchange>(
         counts: Counts { tets, points: given, ..Counts::default() },
         volume: 0.0,
         hash: Hash::Skipped,
-    };
-    // A number is left for what is none.
-    if tets.max(given) >= u64::from(u32::MAX) {
-        if run.team.me() == 0 {
-            run.found.add(Kind::TooLarge, &[], &[]);
-        }
-        return run.report();
-    }
-    run.check()
+        vertex_order: VertexOrder::Oriented,
+    })
 }
 
 /// A check under way.
@@ -116,19 +127,15 @@ struct Run<'r, 'p, E> {
     counts: Counts,
     volume: f64,
     hash: Hash,
+    vertex_order: VertexOrder,
 }
 
 impl<E: Exchange> Run<'_, '_, E> {
     fn check(mut self) -> Result<Report, E::Error> {
         let is_full = self.options.depth == Depth::Full;
-        let (part, mesh) = (self.part, self.mesh);
+        let part = self.part;
         let mut sound = self.structure();
-        let own = Own {
-            points: part.points,
-            numbers: part.numbers,
-            used: &sound.vertices,
-            given: part.given,
-        };
+        let own = own_of(part, &sound, Some(part.given));
         let vertices = vertices::meet(self.team, own, self.options.all_points, &mut self.found)?;
         self.counts.vertices = vertices.count;
         self.counts.unused_points = vertices.given.saturating_sub(vertices.count);
@@ -138,12 +145,27 @@ impl<E: Exchange> Run<'_, '_, E> {
             self.counts.edges = self.edges(&sound, &vertices)?;
         }
         let Vertices { numbers, .. } = vertices;
+        let asked = Asked { canonical: is_full, pairs: false };
+        let Inside { met, inner, .. } = self.inside(&mut sound, &numbers, asked)?;
+        drop((sound, numbers));
+        let Met { hull, levels, .. } = met;
+        self.hull(inner, &hull, levels)?;
+        self.report()
+    }
 
+    /// Checks the inside of the part, and lets its surface meet those of others.
+    fn inside(
+        &mut self,
+        sound: &mut Sound,
+        numbers: &[u32],
+        asked: Asked,
+    ) -> Result<Inside, E::Error> {
+        let (part, mesh, is_full) = (self.part, self.mesh, asked.canonical);
         let limit = self.options.max_defects;
         let mut local = Findings::new(limit);
         let faces = crate::faces::matched(&mesh, &mut sound.tet, limit, &mut local);
-        // Duplicates were found among all.
-        drop(local.take(|kind| kind == Kind::DuplicateTet));
+        // Duplicates were found among all, or their faces meet.
+        drop(local.take(|kind| kind == Kind::DuplicateTet && !asked.pairs));
         self.found.local(&local, part.points, self.names);
         self.done(Level::Structure);
 
@@ -152,7 +174,7 @@ impl<E: Exchange> Run<'_, '_, E> {
         self.counts.negative_tets = oriented.negative;
         // A part that is negative throughout is no mirror image of a mesh.
         oriented.positive += 1;
-        let order = VertexOrder::Oriented;
+        let order = self.vertex_order;
         let swept = geometry::orientation(&oriented, &faces, &sound.tet, order, limit);
         self.sweep(Level::Orientation, swept);
         self.levels[Level::Orientation as usize].tally.merge(tally);
@@ -165,15 +187,12 @@ impl<E: Exchange> Run<'_, '_, E> {
             corner: Corner { number: part.numbers[v as usize], at: part.points[v as usize] },
         };
         let surface = faces::surface(&oriented, &faces, vertex, self.names.first);
-        let met = faces::meet(self.team, surface, is_full, &mut self.found)?;
-        let Met { hull, count, orientation, levels } = met;
-        self.sweep(Level::Orientation, orientation);
-        self.counts.faces = count + faces.count - faces.hull.len() as u64;
+        let met = faces::meet(self.team, surface, asked, &mut self.found)?;
+        self.sweep(Level::Orientation, met.orientation.clone());
+        self.counts.faces = met.count + faces.count - faces.hull.len() as u64;
         self.done(Level::Orientation);
         let inner = inner(&oriented);
-        drop((faces, oriented, sound, numbers));
-        self.hull(inner, &hull, levels)?;
-        self.report()
+        Ok(Inside { faces, met, inner })
     }
 
     /// Finds the defects of the part by itself; two vertices at one place are found among all.
@@ -319,6 +338,75 @@ impl<E: Exchange> Run<'_, '_, E> {
         report.counts.components = u64::from(report.passed());
         Ok(report)
     }
+}
+
+/// The vertices of a part, of which sound tetrahedra use some.
+fn own_of<'o>(part: &Part<'o>, sound: &'o Sound, given: Option<&'o [Point]>) -> Own<'o> {
+    Own { points: part.points, numbers: part.numbers, used: &sound.vertices, given }
+}
+
+/// The inside of a part, and what has met at this member.
+struct Inside {
+    faces: Faces,
+    met: Met,
+    /// A positive tetrahedron.
+    inner: Option<[Point; 4]>,
+}
+
+/// A mesh in parts whose tetrahedra have their places: structure, orientation, and the Delaunay
+/// property inside. Its vertices may be any points, and its hull any surface.
+pub(crate) struct Soundness {
+    /// The defects of all members: the same at all.
+    pub(crate) defects: Vec<Defect>,
+    pub(crate) count: u64,
+    /// Tests of all members that a filter decided, and those that were exact.
+    pub(crate) tests: (u64, u64),
+    /// The number of this member's first tetrahedron.
+    pub(crate) first: u32,
+    /// Tetrahedra of all members.
+    pub(crate) tets: u64,
+    /// The faces of the part.
+    pub(crate) faces: Faces,
+    /// The numbers of the part's vertices by coordinates.
+    pub(crate) by_place: Vec<u32>,
+    /// The faces that have met here.
+    pub(crate) met: Met,
+}
+
+/// Checks that a mesh in parts is sound.
+///
+/// # Errors
+/// Those of the team; what makes no sense.
+pub(crate) fn soundness<E: Exchange>(
+    team: &mut E,
+    part: &Part<'_>,
+    options: &Options,
+) -> Result<Soundness, E::Error> {
+    let mut run = begin(team, part, options)?;
+    run.vertex_order = options.vertex_order;
+    let mut sound = run.structure();
+    let own = own_of(part, &sound, None);
+    let vertices = vertices::meet(run.team, own, false, &mut run.found)?;
+    vertices::meet_by_number(run.team, &own, &vertices.numbers, &mut run.found)?;
+    let asked = Asked { canonical: false, pairs: true };
+    let Inside { faces, met, .. } = run.inside(&mut sound, &vertices.numbers, asked)?;
+    run.sweep(Level::Delaunay, met.levels.delaunay.clone());
+    let Run { team, found, levels, names, counts, .. } = run;
+    let found = found.of_all(team)?;
+    let own = levels
+        .iter()
+        .fold([0, 0], |[filter, exact], ran| [filter + ran.tally.filter, exact + ran.tally.exact]);
+    let [filter, exact] = sums(team, own)?;
+    Ok(Soundness {
+        count: found.counts.values().sum(),
+        defects: found.into_listed(),
+        tests: (filter, exact),
+        first: names.first,
+        tets: counts.tets,
+        faces,
+        by_place: vertices.numbers,
+        met,
+    })
 }
 
 /// Sorts, and keeps each once.

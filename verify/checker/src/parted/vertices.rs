@@ -2,7 +2,9 @@
 //! the points that were given, under its number; then they have numbers by their coordinates, the
 //! same in all parts.
 
-use super::exchange::{Exchange, Record, before, bytes_of, cuts, stretch, sums, values_of};
+use super::exchange::{
+    Exchange, Record, before, bytes_of, cuts, deal, member_of, stretch, sums, values_of,
+};
 use super::found::{Corner, Found};
 use crate::defect::Kind;
 use crate::mesh::Point;
@@ -32,56 +34,58 @@ fn key(p: &Point) -> [u64; 3] {
 }
 
 /// The coordinates of a place.
-pub(super) fn point(key: &[u64; 3]) -> Point {
+pub(crate) fn point(key: &[u64; 3]) -> Point {
     key.map(|c| f64::from_bits(if c >> 63 == 1 { c & !(1 << 63) } else { !c }))
 }
 
 /// The vertices of all parts, as far as this member has to do with them.
-pub(super) struct Vertices {
+pub(crate) struct Vertices {
     /// By vertex of the part: its number by coordinates.
-    pub(super) numbers: Vec<u32>,
+    pub(crate) numbers: Vec<u32>,
     /// The places of this member's stretch of all vertices, ascending.
-    pub(super) stretch: Vec<[u64; 3]>,
+    pub(crate) stretch: Vec<[u64; 3]>,
     /// Vertices of the whole mesh.
-    pub(super) count: u64,
+    pub(crate) count: u64,
     /// Points given to all members.
-    pub(super) given: u64,
+    pub(crate) given: u64,
     /// Places of points at which no vertex lies.
-    pub(super) left_out: u64,
+    pub(crate) left_out: u64,
 }
 
 /// The vertices of a part and the points that it was given.
 #[derive(Clone, Copy)]
-pub(super) struct Own<'a> {
-    pub(super) points: &'a [Point],
+pub(crate) struct Own<'a> {
+    pub(crate) points: &'a [Point],
     /// Their numbers among all points.
-    pub(super) numbers: &'a [u32],
+    pub(crate) numbers: &'a [u32],
     /// The vertices that sound tetrahedra use, all finite.
-    pub(super) used: &'a [u32],
-    /// This member's stretch of all points.
-    pub(super) given: &'a [Point],
+    pub(crate) used: &'a [u32],
+    /// This member's stretch of all points, if the vertices are to be some of these.
+    pub(crate) given: Option<&'a [Point]>,
 }
 
 /// Finds the vertices of all parts, and compares them with the points that were given.
-pub(super) fn meet<E: Exchange>(
+pub(crate) fn meet<E: Exchange>(
     team: &mut E,
     own: Own<'_>,
     all_points: bool,
     found: &mut Found,
 ) -> Result<Vertices, E::Error> {
-    let [first, given_points] = before(team, own.given.len() as u64)?;
+    let list = own.given.unwrap_or_default();
+    let [first, given_points] = before(team, list.len() as u64)?;
     let place = |v: &u32| (key(&own.points[*v as usize]), own.numbers[*v as usize]);
     let mut sorted: Vec<(Place, u32)> = own.used.par_iter().map(|v| (place(v), *v)).collect();
     sorted.par_sort_unstable();
     let places: Vec<Place> = sorted.iter().map(|&(place, _)| place).collect();
-    let mut given: Vec<Place> = (own.given.iter().zip(first..))
+    let mut given: Vec<Place> = (list.iter().zip(first..))
         .filter(|(p, _)| p.iter().all(|c| c.is_finite()))
         .map(|(p, number)| (key(p), number as u32))
         .collect();
     given.par_sort_unstable();
 
     // By place alone: what lies at one comes to one member.
-    let keys: Vec<[u64; 3]> = given.iter().map(|&(key, _)| key).collect();
+    let keyed = if own.given.is_some() { &given } else { &places };
+    let keys: Vec<[u64; 3]> = keyed.iter().map(|&(key, _)| key).collect();
     let cuts = cuts(team, &keys)?;
     drop(keys);
     let used = send(team, &places, &cuts)?;
@@ -93,7 +97,10 @@ pub(super) fn meet<E: Exchange>(
     all.dedup();
     let mut points: Vec<Place> = given.into_iter().flatten().collect();
     points.par_sort_unstable();
-    let left_out = compare(&all, &points, all_points, found);
+    let left_out = match own.given {
+        Some(_) => compare(&all, &points, all_points, found),
+        None => agree(&all, found),
+    };
     drop(points);
     let mut places: Vec<[u64; 3]> = all.into_iter().map(|(key, _)| key).collect();
     places.dedup();
@@ -135,6 +142,66 @@ fn send<E: Exchange>(
     }
     let all = team.exchange(parts)?;
     all.iter().enumerate().map(|(from, bytes)| values_of(team, from, bytes)).collect()
+}
+
+/// Looks for vertices at one place under several numbers; no place is left out.
+fn agree(vertices: &[Place], found: &mut Found) -> u64 {
+    let corner = |&(key, number): &Place| Corner { number, at: point(&key) };
+    for group in vertices.chunk_by(|a, b| a.0 == b.0) {
+        for other in &group[1..] {
+            found.add(Kind::EqualVertices, &[], &[corner(&group[0]), corner(other)]);
+        }
+    }
+    0
+}
+
+/// Lets the numbers of vertices meet, of which each has to be that of one place.
+pub(crate) fn meet_by_number<E: Exchange>(
+    team: &mut E,
+    own: &Own<'_>,
+    by_place: &[u32],
+    found: &mut Found,
+) -> Result<(), E::Error> {
+    let members = team.members();
+    let numbered = own.used.iter().map(|&v| {
+        let place = by_place[v as usize];
+        Numbered { number: own.numbers[v as usize], place, at: own.points[v as usize] }
+    });
+    let all = deal(team, numbered, |own| member_of(&[own.number], members))?;
+    let mut all: Vec<Numbered> = all.into_iter().flatten().collect();
+    all.sort_unstable_by_key(|own| (own.number, own.place));
+    all.dedup_by_key(|own| (own.number, own.place));
+    for pair in all.windows(2).filter(|pair| pair[0].number == pair[1].number) {
+        let [one, other] = [pair[0], pair[1]].map(|own| Corner { number: own.number, at: own.at });
+        found.add(Kind::IndexOutOfRange, &[], &[one, other]);
+    }
+    Ok(())
+}
+
+/// A vertex with its number, and its number by coordinates.
+#[derive(Clone, Copy)]
+struct Numbered {
+    number: u32,
+    place: u32,
+    at: Point,
+}
+
+impl Record for Numbered {
+    const BYTES: usize = 32;
+
+    fn put(&self, to: &mut Vec<u8>) {
+        [self.number, self.place].put(to);
+        self.at.put(to);
+    }
+
+    fn get(bytes: &[u8]) -> Self {
+        let [number, place] = Record::get(bytes);
+        Self { number, place, at: Record::get(&bytes[8..]) }
+    }
+
+    fn is_sound(&self) -> bool {
+        self.at.iter().all(|c| c.is_finite())
+    }
 }
 
 /// Compares the vertices of a stretch with the points there, both ascending: the number of places

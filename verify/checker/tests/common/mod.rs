@@ -5,6 +5,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step here is a failed test")]
 
+pub(crate) mod domain;
 pub(crate) mod team;
 
 use ltbw_verify::{Kind, Report};

@@ -18,11 +18,10 @@ mod pieces;
 
 use super::whole::{Units, Whole};
 use super::{Plc, edge};
-use crate::mesh::Mesh;
 use cells::Cells;
 use hom::Hom;
 use pieces::Piece;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// The items that a mesh need not have: whether each facet, segment and vertex is such.
 #[derive(Debug, Default)]
@@ -56,15 +55,11 @@ impl Exterior {
         left
     }
 
-    /// Finds them in a domain whose indices are sound; `None` if there are none.
-    pub(super) fn find(
-        plc: &Plc,
-        units: &Units,
-        mesh: &Mesh<'_>,
-        points: &[Whole],
-    ) -> Option<Self> {
+    /// Finds them in a domain whose indices are sound; `None` if there are none. `present` says of
+    /// each vertex whether the mesh has it.
+    pub(super) fn find(plc: &Plc, units: &Units, present: &[bool]) -> Option<Self> {
         let corners: Vec<Whole> = plc.vertices.iter().map(|p| units.whole(p)).collect();
-        let missing = unnamed(plc, &corners, mesh, points);
+        let missing = unnamed(plc, present);
         let pieces = Piece::all(plc, &corners, units)?;
         let mut cells = Cells::new(&pieces, &corners);
         let bare = plc.holes.is_empty() && plc.segments.is_empty() && missing.is_empty();
@@ -88,20 +83,12 @@ impl Exterior {
 }
 
 /// The vertices that nothing names and that are not in the mesh.
-fn unnamed(plc: &Plc, corners: &[Whole], mesh: &Mesh<'_>, points: &[Whole]) -> Vec<u32> {
-    let mut is_named = vec![false; corners.len()];
+fn unnamed(plc: &Plc, present: &[bool]) -> Vec<u32> {
+    let mut is_named = vec![false; plc.vertices.len()];
     let all = plc.facets.iter().flat_map(|f| &f.polygons).flatten();
     all.chain(plc.segments.iter().flatten()).for_each(|&v| is_named[v as usize] = true);
-    let mut places: HashSet<Whole> =
-        corners.iter().zip(&is_named).filter(|(_, named)| !**named).map(|(p, _)| *p).collect();
-    if places.is_empty() {
-        return Vec::new();
-    }
-    for &v in mesh.tets.iter().flatten() {
-        places.remove(&points[v as usize]);
-    }
-    let missing = |v: &u32| !is_named[*v as usize] && places.contains(&corners[*v as usize]);
-    (0..corners.len() as u32).filter(missing).collect()
+    let missing = |v: &u32| !is_named[*v as usize] && !present[*v as usize];
+    (0..plc.vertices.len() as u32).filter(missing).collect()
 }
 
 /// A domain, its pieces, and whether each is exterior on both sides.

@@ -1,0 +1,185 @@
+//! The commands `mesh` and `refine` by several processes. Where nothing is left in the end that takes
+//! the whole mesh, none of them has it: each hashes, checks and writes its part with the others, and
+//! the first one reports. Else the first one puts it together, and goes on alone.
+
+use crate::apart::write_pieces;
+use crate::args::Depth;
+use crate::conform::{certificate, own_limits, print, same_volume, summary};
+use crate::console;
+use crate::domain_job::Job;
+use crate::domain_report::Told;
+use crate::domain_whole::{Meshed, finish};
+use crate::excused::{SliverLeft, SliversLeft};
+use crate::others::{Apart, Work};
+use crate::outcome::{Exit, Failure};
+use crate::plc::plc_of;
+use crate::progress::{Progress, Stage};
+use crate::quality_apart::quality;
+use crate::report::{Report, Seconds, quality_json};
+use crate::surface::print_patches;
+use crate::workers::{Made, Setting, print_workers};
+use ltbw::TetMesh;
+use ltbw::domain::Prepared;
+use ltbw::io::{Arrays, Piece};
+use ltbw::refine::{ExcusedShare, RefineOutcome, Sliver, Verdict, attributes_of};
+use ltbw::refining::{LateSteps, RefinedPart, RefinedWhole, TeamRounds, Wishes};
+use ltbw::threads::Parallel;
+use ltbw_verify as verify;
+use serde_json::{Value, json};
+use std::time::Instant;
+
+/// Refines a prepared domain with the others, checks the mesh, writes and reports.
+pub(crate) fn mesh(
+    others: &dyn Apart,
+    ready: &Prepared,
+    job: &Job<'_>,
+    mut seconds: Seconds,
+) -> Result<Exit, Failure> {
+    let task = &job.task;
+    let clock = Instant::now();
+    let end = {
+        let progress = Progress::begin("recover", task.stop.begun());
+        let parallel = Parallel::new(others.size()).cancel(task.stop.token());
+        let work = Work { parallel: &parallel, token: task.stop.token() };
+        let markers = job.boundary.markers();
+        let wishes = Wishes { in_parts: !takes_whole(job), markers, ..Wishes::default() };
+        let end = others.refine(&job.refiner(&progress), ready, work, wishes);
+        end.map_err(|error| Setting { name: task.name, stop: task.stop }.failed(error))?
+    };
+    seconds.refine = clock.elapsed().as_secs_f64();
+    match end {
+        TeamRounds::Part(part) => finish_part(others, ready, job, (*part, seconds)),
+        TeamRounds::Whole(run, late) => {
+            let (refined, made) = Made::by_rounds(*run);
+            let LateSteps { why, tets, seconds: spent } = late;
+            let late = json!({ "why": why.to_string(), "gathered": tets, "seconds": spent });
+            finish(ready, job, Meshed { refined, made, seconds, late: Some(late) })
+        }
+        // The first process has the mesh.
+        TeamRounds::Elsewhere => Ok(Exit::Done),
+    }
+}
+
+/// Is something asked for that takes the whole mesh?
+fn takes_whole(job: &Job<'_>) -> bool {
+    let task = &job.task;
+    let is_drawn = task.page.is_some() || job.histogram.is_some();
+    let is_written = !task.outputs.whole.is_empty() || job.keep_exterior || job.write_unrecovered;
+    is_drawn || is_written
+}
+
+/// Hashes, checks, writes and reports a mesh in parts.
+fn finish_part(
+    others: &dyn Apart,
+    ready: &Prepared,
+    job: &Job<'_>,
+    (own, mut seconds): (RefinedPart, Seconds),
+) -> Result<Exit, Failure> {
+    let RefinedPart { part, regions, faces, whole, .. } = own;
+    let task = &job.task;
+    let clock = Instant::now();
+    let stage = Stage::begin("hash");
+    let hashed = others.hash(&part)?;
+    job.boundary.tell();
+    let quality = quality(others, &part)?;
+    drop(stage);
+    seconds.hash = clock.elapsed().as_secs_f64();
+    let slivers: Vec<SliverLeft> = whole
+        .slivers
+        .iter()
+        .map(|own| SliverLeft { angle: own.angle, at: own.at, near: own.near })
+        .collect();
+    let is_flat = slivers.iter().any(|own| own.angle < Sliver::FLAT);
+    let slivers = SliversLeft::new(whole.stats.min_dihedral, slivers);
+    let told = Told {
+        outcome: RefineOutcome::Met,
+        mesh: [whole.vertices, whole.tets, whole.hull_faces].map(|count| count as usize),
+        predicates: whole.predicates,
+        stats: &whole.stats,
+        regions: &whole.regions,
+        slivers: &slivers,
+        refined: None,
+    };
+    let mut report = told.report(job, ready);
+    if let Some(refinement) = &mut report.refinement {
+        refinement["late"] = Value::Null;
+    }
+    report.mesh.hash = Some(hashed.hash.to_string());
+    report.seconds = seconds;
+    told.print(quality.as_ref());
+    let made = Made { workers: whole.workers.clone(), ..Made::default() };
+    print_workers(&made);
+    report.workers = made.workers;
+    print_patches(job.flat_tolerance, &whole.stats);
+    report.quality = quality.as_ref().map(quality_json);
+    task.stop.inserted();
+    let attributes = attributes_of(&whole.regions);
+    let of_region = |of: &Vec<f64>| -> Option<Vec<f64>> {
+        regions.iter().map(|&region| of.get(region as usize).copied()).collect()
+    };
+    let mesh = TetMesh {
+        points: part.points,
+        tets: part.tets,
+        tet_attributes: attributes.as_ref().and_then(of_region),
+        tet_tags: Some(regions.iter().map(|&region| i64::from(region)).collect()),
+        faces,
+        ..TetMesh::default()
+    };
+    drop(regions);
+    let piece = Piece { mesh, numbers: part.numbers };
+    if task.check != Depth::Off && !check(others, ready, job, &whole, (&piece, &mut report))? {
+        // All have the same findings.
+        return match others.is_first() {
+            true => Ok(task.refuse(&mut report)),
+            false => Ok(Exit::OwnDefect),
+        };
+    }
+    let clock = Instant::now();
+    let arrays =
+        Arrays { tags: false, regions: true, markers: true, attributes: attributes.is_some() };
+    write_pieces(others, &piece, arrays, task, &mut report)?;
+    report.seconds.write = clock.elapsed().as_secs_f64();
+    if others.is_first() {
+        task.finish(&mut report)?;
+    }
+    slivers.print(ready, is_flat);
+    Ok(if is_flat { Exit::Defect } else { Exit::Done })
+}
+
+/// Checks the mesh against its domain, with the others, and keeps the certificate. Is nothing
+/// wrong?
+fn check(
+    others: &dyn Apart,
+    ready: &Prepared,
+    job: &Job<'_>,
+    whole: &RefinedWhole,
+    (piece, report): (&Piece, &mut Report),
+) -> Result<bool, Failure> {
+    let clock = Instant::now();
+    let stage = Stage::begin("check");
+    let degrees = whole.stats.min_dihedral;
+    let limits = own_limits(ready, job.asked, (degrees > 0.0).then_some(degrees));
+    let plc = plc_of(ready.judged(), whole.stats.flat_tolerance);
+    let Piece { mesh, numbers } = piece;
+    let TetMesh { points, tets, tet_tags, .. } = mesh;
+    let own = verify::DomainPart { points, numbers, tets, tags: tet_tags.as_deref() };
+    let options = verify::Options { numbered_regions: true, ..verify::Options::default() };
+    let mut found = others.conforms(&own, &plc, &limits, &options)?;
+    drop(stage);
+    let same = same_volume(ready, &found);
+    let told = whole.slivers.len() as u64;
+    let all_told = found.below_dihedral.as_ref().is_none_or(|small| small.count == told);
+    let has_passed = found.passed() && same && all_told;
+    let flat = whole.slivers.iter().filter(|own| own.angle < Sliver::FLAT).count();
+    let share = ExcusedShare { flat, ..ExcusedShare::default() };
+    let word = Verdict::of(has_passed, has_passed, &share, job.excused_share);
+    let mut own = certificate(&found, same, word);
+    job.task.binding.bind(&mut own, report.mesh.hash.as_deref().unwrap_or_default());
+    report.certificate = Some(own);
+    report.seconds.check = clock.elapsed().as_secs_f64();
+    match has_passed {
+        true => console::people(&format!("checked   {}", summary(&found))),
+        false => print(&mut found),
+    }
+    Ok(has_passed)
+}

@@ -1,0 +1,359 @@
+//! The end of rounds at which nothing is left that takes the whole mesh: each member of a team
+//! keeps its part, under the numbers and in the orders of the whole.
+
+use super::{Ending, Left, RoundFigures};
+use crate::distributed::{Part, Side, Unnumbered, first_of_two, number};
+use crate::refining::domain::DomainMesh;
+use crate::team::{Post, Team, TeamError};
+use crate::threads::WorkerStats;
+use ltbw_core::cavity::OTHERS;
+use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
+use ltbw_core::{BoundaryFace, PredicateStats, Vertex};
+use ltbw_exact::{Mode, Point};
+use ltbw_refine::{
+    Carrier, Delegated, Reason, RefineStats, RegionInfo, Start, from_smallest, in_order,
+};
+
+/// Why one member has the mesh in the end.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
+pub enum Late {
+    /// It was asked for as a whole.
+    Asked,
+    /// The members have carried out no rounds.
+    Alone,
+    /// The run was stopped, or rounds do not know how to go on.
+    Stopped,
+    /// Facets are coplanar within a tolerance.
+    Patches,
+    /// Vertices inside are moved.
+    Smoothing,
+    /// Something could not be split, and is asked again, or relieved.
+    Refused,
+    /// Slivers are left, which are relieved.
+    Slivers,
+}
+
+impl std::fmt::Display for Late {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Asked => "what is written takes the whole mesh",
+            Self::Alone => "one process has refined it",
+            Self::Stopped => "the rounds have stopped early",
+            Self::Patches => "facets are coplanar within the tolerance",
+            Self::Smoothing => "vertices are moved",
+            Self::Refused => "something cannot be split",
+            Self::Slivers => "slivers are left",
+        })
+    }
+}
+
+/// A tetrahedron of some part with a dihedral angle below the bound.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct SliverThere {
+    /// Its vertices by number, in order.
+    pub tet: [Vertex; 4],
+    /// Its smallest dihedral angle in degrees, rounded.
+    pub angle: f64,
+    /// Its centroid, in the coordinates of the mesh.
+    pub at: Point,
+    /// A small angle of the domain at one of its corners, which asks for such.
+    pub near: Option<Reason>,
+}
+
+/// The figures of a whole mesh, of which nobody has all: the same at all members.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct RefinedWhole {
+    /// Vertices, exterior included.
+    pub vertices: u64,
+    /// Tetrahedra of the domain.
+    pub tets: u64,
+    /// Facets of the hull of the Delaunay mesh.
+    pub hull_faces: u64,
+    /// The regions, the exterior first.
+    pub regions: Vec<RegionInfo>,
+    /// The slivers that are left, in the order of their vertices: the domain asks for them.
+    pub slivers: Vec<SliverThere>,
+    /// Figures of the refinement.
+    pub stats: RefineStats,
+    /// Predicate calls of all members.
+    pub predicates: PredicateStats,
+    /// By worker.
+    pub workers: Vec<WorkerStats>,
+    /// The figures of the rounds.
+    pub figures: RoundFigures,
+}
+
+/// One member's part of a refined domain all of whose bounds are met.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct RefinedPart {
+    /// The tetrahedra of the domain, in the order of their vertices' numbers.
+    pub part: Part,
+    /// Their regions.
+    pub regions: Vec<u32>,
+    /// The triangles of the domain's facets that this part has, each with the facet's marker.
+    pub faces: Vec<BoundaryFace>,
+    /// The figures of the whole.
+    pub whole: RefinedWhole,
+}
+
+/// The mesh of a member at the end of its rounds.
+pub(super) struct Ended<'m, 'c> {
+    pub(super) mesh: &'m DomainMesh<'c>,
+    pub(super) left: &'m Left,
+    /// The start of these rounds.
+    pub(super) start: &'m Start,
+}
+
+/// The words of a member on its part.
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Made {
+    stats: WorkerStats,
+    predicates: PredicateStats,
+    tets: u64,
+    hull_faces: u64,
+    figures: RoundFigures,
+    slivers: Vec<SliverThere>,
+}
+
+impl Ended<'_, '_> {
+    /// Why this member cannot keep its part, if it cannot.
+    pub(super) fn why_whole(&self, delegated: &Delegated<'_>) -> Option<Late> {
+        let Left { asked, refused, refused_tets, ending, .. } = self.left;
+        let complex = &self.mesh.complex;
+        match () {
+            () if *ending != Some(Ending::Done) => return Some(Late::Stopped),
+            () if complex.has_patches() => return Some(Late::Patches),
+            () if !delegated.may_stay() => return Some(Late::Smoothing),
+            () if !(asked.is_empty() && refused.is_empty() && refused_tets.is_empty()) => {
+                return Some(Late::Refused);
+            }
+            () => {}
+        }
+        let tets = self.mesh.inner.tets();
+        let finite = tets.tets().filter(|(_, v)| v[3] != INFINITE);
+        let all = finite.map(|(t, v)| (t, v.map(|v| self.mesh.point(v)), self.mesh.region(t)));
+        let amiss = complex.amiss(all);
+        let is_open = |&t: &TetId| {
+            let corners = tets.vertices(t).map(|v| self.mesh.corner(v));
+            complex.is_sliver(corners, self.mesh.region(t))
+        };
+        match () {
+            () if amiss.is_over => Some(Late::Refused),
+            () if amiss.thin.iter().any(is_open) => Some(Late::Slivers),
+            () => None,
+        }
+    }
+
+    /// The slivers of this part, which the domain asks for.
+    fn slivers(&self, numbers: &[Vertex], fine_step: f64) -> Vec<SliverThere> {
+        if !self.mesh.complex.has_angles() {
+            return Vec::new();
+        }
+        let tets = self.mesh.inner.tets();
+        let finite = tets.tets().filter(|(_, v)| v[3] != INFINITE);
+        let all = finite.map(|(t, v)| (t, v.map(|v| self.mesh.point(v)), self.mesh.region(t)));
+        let thin = self.mesh.complex.amiss(all).thin.into_iter();
+        let sliver = |t: TetId| {
+            let v = tets.vertices(t);
+            let found = self.mesh.complex.thin_tet(v.map(|v| self.mesh.corner(v)))?;
+            let sum = v.iter().fold([0.0; 3], |sum, &v| {
+                let p = self.mesh.point(v);
+                [0, 1, 2].map(|k| sum[k] + p[k])
+            });
+            Some(SliverThere {
+                tet: in_order(v.map(|v| numbers[v.index()])),
+                angle: found.angle,
+                at: sum.map(|c| c / 4.0 * fine_step),
+                near: found.near,
+            })
+        };
+        thin.filter_map(sliver).collect()
+    }
+
+    /// Makes the part, with the others.
+    ///
+    /// # Errors
+    /// [`TeamError`] if a member has failed, or has sent what makes no sense.
+    pub(super) fn keep<P: Post>(
+        &self,
+        team: &mut Team<P>,
+        delegated: &Delegated<'_>,
+        own: Own<'_>,
+    ) -> Result<RefinedPart, TeamError> {
+        let Numbers { of, counts, given } = self.number(team)?;
+        let tets = self.mesh.inner.tets();
+        let (part, list) = self.list(&of);
+        let faces = self.faces(team, &of, &part, &list, own.markers)?;
+        let made = Made {
+            stats: own.stats,
+            predicates: tets.predicates(),
+            tets: list.len() as u64,
+            hull_faces: tets.tets().filter(|(_, v)| v[3] == INFINITE).count() as u64,
+            figures: self.left.figures,
+            slivers: self.slivers(&of, own.fine_step),
+        };
+        let all: Vec<Made> = team.gather_all(&made)?;
+        let told: Vec<RoundFigures> = all.iter().map(|made| made.figures).collect();
+        let mut figures = RoundFigures::summed(&told, own.begin);
+        figures.ended += 1;
+        let rounds = figures.after(&own.begin, delegated.stats());
+        // The first one may have carried out some alone.
+        let stats = delegated.stats_with(rounds, counts);
+        let stats = team.tell_value(team.is_first().then_some(stats))?;
+        let mut whole = RefinedWhole {
+            vertices: counts.iter().fold(u64::from(given), |sum, own| sum.saturating_add(*own)),
+            tets: 0,
+            hull_faces: 0,
+            regions: delegated.regions().to_vec(),
+            slivers: Vec::new(),
+            stats,
+            predicates: PredicateStats::default(),
+            workers: Vec::new(),
+            figures,
+        };
+        for made in all {
+            whole.tets = whole.tets.saturating_add(made.tets);
+            whole.hull_faces = whole.hull_faces.saturating_add(made.hull_faces);
+            whole.predicates += made.predicates;
+            whole.workers.push(made.stats);
+            whole.slivers.extend(made.slivers);
+        }
+        whole.slivers.sort_by_key(|own| own.tet);
+        let regions = list.iter().map(|&t| self.mesh.region(t)).collect();
+        Ok(RefinedPart { part, regions, faces, whole })
+    }
+
+    /// Numbers all vertices of this part's tetrahedra, exterior included.
+    fn number<P: Post>(&self, team: &mut Team<P>) -> Result<Numbers, TeamError> {
+        let mesh = &self.mesh.inner;
+        let mut is_used = vec![false; mesh.num_vertices() + 1];
+        let finite = mesh.tets().tets().map(|(_, v)| v).filter(|v| v[3] != INFINITE);
+        finite.flatten().for_each(|v| is_used[v.index()] = true);
+        let given = self.mesh.complex.given_numbers();
+        let mut of = vec![0; is_used.len()];
+        let (mut new, mut unnumbered) = (Vec::new(), Vec::new());
+        for v in (1..is_used.len()).filter(|&v| is_used[v]).map(VertexId::at) {
+            let (at, carrier) = (self.mesh.point(v), self.mesh.carrier(v));
+            match given.of(carrier, &at) {
+                Some(number) => of[v.index()] = number,
+                None => {
+                    let kind = match carrier {
+                        Carrier::Segment(..) => 0,
+                        Carrier::Facet(_) => 1,
+                        Carrier::Free | Carrier::Corner(_) => 2,
+                    };
+                    new.push(v);
+                    unnumbered.push(Unnumbered { at, kind });
+                }
+            }
+        }
+        let found = number(team, &unnumbered, given.count)?;
+        for (v, number) in new.into_iter().zip(found.numbers) {
+            of[v.index()] = number;
+        }
+        Ok(Numbers { of, counts: found.counts, given: given.count })
+    }
+
+    /// The tetrahedra of the domain as plain lists, and their slots.
+    fn list(&self, of: &[Vertex]) -> (Part, Vec<TetId>) {
+        let mesh = self.mesh.inner.tets();
+        let mode: Mode = self.start.mode;
+        let inside = || {
+            let finite = mesh.tets().filter(|(_, v)| v[3] != INFINITE);
+            finite.filter(|(t, _)| self.mesh.region(*t) != 0)
+        };
+        // First whether a vertex is used, then its place: in the order of numbers.
+        let mut places = vec![0_u32; of.len()];
+        inside().flat_map(|(_, v)| v).for_each(|v| places[v.index()] = 1);
+        let all = (1..places.len()).filter(|&v| places[v] > 0).map(VertexId::at);
+        let mut used: Vec<(Vertex, VertexId)> = all.map(|v| (of[v.index()], v)).collect();
+        used.sort_unstable();
+        used.iter().zip(0..).for_each(|(&(_, v), place)| places[v.index()] = place);
+        let ordered = |(t, v): (TetId, [VertexId; 4])| (in_order(v.map(|v| places[v.index()])), t);
+        let mut tets: Vec<([u32; 4], TetId)> = inside().map(ordered).collect();
+        tets.sort_unstable();
+        let part = Part {
+            numbers: used.iter().map(|own| own.0).collect(),
+            points: used.iter().map(|own| mode.from_kernel(self.mesh.point(own.1))).collect(),
+            tets: tets.iter().map(|own| own.0).collect(),
+            hull: Vec::new(),
+        };
+        (part, tets.into_iter().map(|own| own.1).collect())
+    }
+
+    /// The triangles on facets that this part has: of two tetrahedra at one that of the lower
+    /// region, and of equal ones the first.
+    fn faces<P: Post>(
+        &self,
+        team: &mut Team<P>,
+        of: &[Vertex],
+        part: &Part,
+        list: &[TetId],
+        markers: Option<&[i32]>,
+    ) -> Result<Vec<BoundaryFace>, TeamError> {
+        let (mesh, complex) = (self.mesh.inner.tets(), &self.mesh.complex);
+        let marker = complex.markers(markers);
+        let rank = |t: TetId| {
+            let [a, b, c, d] = in_order(mesh.vertices(t).map(|v| of[v.index()]));
+            [self.mesh.region(t), a, b, c, d]
+        };
+        let place = |v: VertexId| part.numbers.partition_point(|&n| n < of[v.index()]) as u32;
+        let (mut faces, mut sides) = (Vec::new(), Vec::new());
+        for (tet, &t) in list.iter().enumerate() {
+            let (v, first) = (mesh.vertices(t), faces.len());
+            if v.iter().filter(|&&v| self.mesh.is_bound(v)).count() < 3 {
+                continue;
+            }
+            for (slot, face) in mesh.neighbours(t).into_iter().enumerate() {
+                let corners = OTHERS[slot].map(|k| v[k]);
+                let at = corners.map(|v| (self.mesh.carrier(v), self.mesh.point(v)));
+                let Some(facet) = complex.facet(at) else { continue };
+                let other = tet_of(face);
+                let is_far = mesh.far(other).is_some();
+                let is_inside =
+                    || mesh.vertices(other)[3] != INFINITE && self.mesh.region(other) != 0;
+                if !is_far && is_inside() && rank(other) < rank(t) {
+                    continue;
+                }
+                let marker = i64::from(marker(facet, at.map(|own| own.1)));
+                let own = BoundaryFace { corners: from_smallest(corners.map(place)), marker, tet };
+                faces.push((own, is_far.then(|| rank(t))));
+            }
+            faces[first..].sort_unstable_by_key(|(face, _)| face.corners);
+        }
+        for (face, rank) in &faces {
+            if let Some(rank) = *rank {
+                let mut corners = face.corners.map(|v| part.numbers[v as usize]);
+                corners.sort_unstable();
+                sides.push(Side { corners, rank });
+            }
+        }
+        let mut has = first_of_two(team, &sides)?.into_iter();
+        faces.retain(|(_, rank)| rank.is_none() || has.next() == Some(true));
+        Ok(faces.into_iter().map(|own| own.0).collect())
+    }
+}
+
+/// The numbers of a part's vertices.
+struct Numbers {
+    /// By vertex of the submesh.
+    of: Vec<Vertex>,
+    /// All new ones, on segments, on facets and inside.
+    counts: [u64; 3],
+    /// Those that the domain says.
+    given: Vertex,
+}
+
+/// The things beside the mesh that a member makes its part of.
+pub(super) struct Own<'m> {
+    pub(super) stats: WorkerStats,
+    /// The figures when these rounds began.
+    pub(super) begin: RoundFigures,
+    pub(super) fine_step: f64,
+    /// Markers of the domain's facets in place of their own.
+    pub(super) markers: Option<&'m [i32]>,
+}

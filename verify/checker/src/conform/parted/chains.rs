@@ -1,0 +1,64 @@
+//! Edges of the domain are chains of edges of the mesh: each edge is put together by one member.
+
+use super::super::tree::Tree;
+use super::super::whole::Whole;
+use super::super::{ConformityDefect, Run};
+use crate::parted::exchange::{Exchange, deal};
+use std::collections::{HashMap, HashSet};
+
+/// A vertex on an edge of the domain, or an edge of the mesh along it: the number of the edge and
+/// one place along it, or two.
+type Link = [u64; 3];
+
+impl Run<'_> {
+    /// Every edge of a polygon and every segment is a chain of edges of the mesh, whoever has them.
+    pub(super) fn edges_in_parts<E: Exchange>(
+        &mut self,
+        team: &mut E,
+        corners: &[Whole],
+        points: &[Whole],
+        (tree, groups): (&Tree<'_>, &[u32]),
+    ) -> Result<(), E::Error> {
+        let wanted = self.wanted(groups);
+        let chains = self.chains(&wanted, corners, points, tree);
+        let mut links: HashSet<Link> = HashSet::new();
+        // The edges of the domain that a vertex is on, with its place along each: most are on none.
+        let mut on: HashMap<u32, Vec<[u64; 2]>> = HashMap::new();
+        for (e, chain) in (0u64..).zip(&chains) {
+            for &(place, v) in chain {
+                // Places are differences of coordinates, and so below 2^61.
+                let place = place as u64;
+                links.insert([e, place, place]);
+                on.entry(v).or_default().push([e, place]);
+            }
+        }
+        for tet in self.mesh.tets {
+            let on: Vec<&Vec<[u64; 2]>> = tet.iter().filter_map(|v| on.get(v)).collect();
+            for (k, first) in on.iter().enumerate() {
+                for [e, a] in first.iter().copied() {
+                    let others = on[k + 1..].iter().flat_map(|other| other.iter());
+                    for &[_, b] in others.filter(|own| own[0] == e) {
+                        links.insert([e, a.min(b), a.max(b)]);
+                    }
+                }
+            }
+        }
+        let members = team.members() as u64;
+        let met = deal(team, links.into_iter(), |link| (link[0] % members) as usize)?;
+        let mut met: Vec<Link> = met.into_iter().flatten().collect();
+        met.sort_unstable();
+        met.dedup();
+        for of_edge in met.chunk_by(|a, b| a[0] == b[0]) {
+            let vertices: Vec<u64> =
+                of_edge.iter().filter(|link| link[1] == link[2]).map(|link| link[1]).collect();
+            let is_edge =
+                |pair: &[u64]| of_edge.binary_search(&[of_edge[0][0], pair[0], pair[1]]).is_ok();
+            if let Some(ends) = wanted.get(of_edge[0][0] as usize)
+                && !vertices.windows(2).all(is_edge)
+            {
+                self.add(ConformityDefect::SegmentBroken, ends);
+            }
+        }
+        Ok(())
+    }
+}
