@@ -1,6 +1,6 @@
-//! The commands `mesh` and `refine` by several processes. Where nothing is left in the end that takes
-//! the whole mesh, none of them has it: each hashes, checks and writes its part with the others, and
-//! the first one reports. Else the first one puts it together, and goes on alone.
+//! The commands `mesh` and `refine` by several processes. Where nothing is left in the end that
+//! takes the whole mesh, none of them has it: each hashes, checks and writes its part with the
+//! others, and the first one reports. Else the first one puts it together, and goes on alone.
 
 use crate::apart::write_pieces;
 use crate::args::Depth;
@@ -15,7 +15,7 @@ use crate::outcome::{Exit, Failure};
 use crate::plc::plc_of;
 use crate::progress::{Progress, Stage};
 use crate::quality_apart::quality;
-use crate::report::{Report, Seconds, quality_json};
+use crate::report::{Seconds, quality_json};
 use crate::surface::print_patches;
 use crate::workers::{Made, Setting, print_workers};
 use ltbw::TetMesh;
@@ -48,7 +48,7 @@ pub(crate) fn mesh(
     };
     seconds.refine = clock.elapsed().as_secs_f64();
     match end {
-        TeamRounds::Part(part) => finish_part(others, ready, job, (*part, seconds)),
+        TeamRounds::Part(part) => finish_part(others, ready, job, Own { part: *part, seconds }),
         TeamRounds::Whole(run, late) => {
             let (refined, made) = Made::by_rounds(*run);
             let LateSteps { why, tets, seconds: spent } = late;
@@ -68,12 +68,18 @@ fn takes_whole(job: &Job<'_>) -> bool {
     is_drawn || is_written
 }
 
+/// A process's part, and the time so far.
+struct Own {
+    part: RefinedPart,
+    seconds: Seconds,
+}
+
 /// Hashes, checks, writes and reports a mesh in parts.
 fn finish_part(
     others: &dyn Apart,
     ready: &Prepared,
     job: &Job<'_>,
-    (own, mut seconds): (RefinedPart, Seconds),
+    Own { part: own, mut seconds }: Own,
 ) -> Result<Exit, Failure> {
     let RefinedPart { part, regions, faces, whole, .. } = own;
     let task = &job.task;
@@ -127,7 +133,18 @@ fn finish_part(
     };
     drop(regions);
     let piece = Piece { mesh, numbers: part.numbers };
-    if task.check != Depth::Off && !check(others, ready, job, &whole, (&piece, &mut report))? {
+    let checked = match task.check {
+        Depth::Off => None,
+        _ => Some(check(others, ready, job, &whole, &piece)?),
+    };
+    let is_refused = checked.as_ref().is_some_and(|checked| !checked.has_passed);
+    if let Some(Checked { mut certificate, seconds, .. }) = checked {
+        let hash = report.mesh.hash.as_deref().unwrap_or_default();
+        task.binding.bind(&mut certificate, hash);
+        report.certificate = Some(certificate);
+        report.seconds.check = seconds;
+    }
+    if is_refused {
         // All have the same findings.
         return match others.is_first() {
             true => Ok(task.refuse(&mut report)),
@@ -146,15 +163,21 @@ fn finish_part(
     Ok(if is_flat { Exit::Defect } else { Exit::Done })
 }
 
-/// Checks the mesh against its domain, with the others, and keeps the certificate. Is nothing
-/// wrong?
+/// The verdict on a mesh in parts.
+struct Checked {
+    has_passed: bool,
+    certificate: Value,
+    seconds: f64,
+}
+
+/// Checks the mesh against its domain, with the others.
 fn check(
     others: &dyn Apart,
     ready: &Prepared,
     job: &Job<'_>,
     whole: &RefinedWhole,
-    (piece, report): (&Piece, &mut Report),
-) -> Result<bool, Failure> {
+    piece: &Piece,
+) -> Result<Checked, Failure> {
     let clock = Instant::now();
     let stage = Stage::begin("check");
     let degrees = whole.stats.min_dihedral;
@@ -173,13 +196,11 @@ fn check(
     let flat = whole.slivers.iter().filter(|own| own.angle < Sliver::FLAT).count();
     let share = ExcusedShare { flat, ..ExcusedShare::default() };
     let word = Verdict::of(has_passed, has_passed, &share, job.excused_share);
-    let mut own = certificate(&found, same, word);
-    job.task.binding.bind(&mut own, report.mesh.hash.as_deref().unwrap_or_default());
-    report.certificate = Some(own);
-    report.seconds.check = clock.elapsed().as_secs_f64();
+    let certificate = certificate(&found, same, word);
+    let seconds = clock.elapsed().as_secs_f64();
     match has_passed {
         true => console::people(&format!("checked   {}", summary(&found))),
         false => print(&mut found),
     }
-    Ok(has_passed)
+    Ok(Checked { has_passed, certificate, seconds })
 }

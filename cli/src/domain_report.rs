@@ -25,7 +25,7 @@ pub(crate) struct Told<'a> {
     pub(crate) stats: &'a RefineStats,
     pub(crate) regions: &'a [RegionInfo],
     pub(crate) slivers: &'a SliversLeft,
-    /// What is excused, if a mesh that one has tells.
+    /// The mesh that tells of excuses, if one has it.
     pub(crate) refined: Option<&'a Refined>,
 }
 

@@ -26,9 +26,10 @@
 //! | `simulate` | `simulate`: the parallel kernel on simulated processors |
 //! | `demo` | `demo` |
 //! | `points` | what is told of a mesh of points, wherever its parts are |
-//! | `apart`, `apart_domain` | `delaunay` and `mesh` by several processes, none of which has the mesh |
+//! | `apart`, `apart_domain` | `delaunay` and `mesh` by processes none of which has the mesh |
 //! | `quality_apart` | the quality of such a mesh |
-//! | `domain_job`, `domain_whole` | a domain with what is asked for; the end where one process has the mesh |
+//! | `domain_job` | a domain that is to be meshed, with what is asked for |
+//! | `domain_whole` | the end of `mesh` where one process has the mesh |
 //! | `domain_report` | what is told of a refined domain, wherever its parts are |
 //! | `slices` | the points of such a run, of which no process has all |
 //! | `others`, `ranks` | the other processes of a job; those of `ltbw-mpi` |

@@ -8,7 +8,7 @@ use ltbw::quality::{Extreme, Quality};
 use serde::{Deserialize, Serialize};
 
 /// The figures of one part, or of several.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Figures {
     tets: u64,
     /// Of each histogram.
@@ -99,4 +99,35 @@ pub(crate) fn quality(others: &dyn Apart, part: &Part) -> Result<Option<Quality>
         *extreme = Extreme { value, tet: place as usize };
     }
     Ok(Some(whole))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However tetrahedra are divided, some of which are equal: the figures of all.
+    #[test]
+    fn figures_of_parts_are_those_of_the_whole() {
+        let coordinate = |k: u32, by: u32| f64::from(k * by % 7);
+        let points: Vec<_> =
+            (0..12).map(|k| [coordinate(k, 1), coordinate(k, 3), coordinate(k, 5)]).collect();
+        let tets: Vec<[u32; 4]> = (0..9).map(|k| [k, k + 1, k + 2, k + 3]).collect();
+        let widths = Quality::widths(&points, &tets);
+        let figures = |own: &[[u32; 4]]| {
+            Figures::of(&Quality::within(&points, own, widths), |k| {
+                own.get(k).copied().unwrap_or_default()
+            })
+        };
+        let whole = figures(&tets);
+        for parts in 2..5 {
+            for first in 0..parts {
+                let of = |part: usize| -> Vec<[u32; 4]> {
+                    tets.iter().copied().skip((part + first) % parts).step_by(parts).collect()
+                };
+                let mut sum = figures(&of(0));
+                (1..parts).for_each(|part| sum.add(&figures(&of(part))));
+                assert_eq!(sum, whole, "{parts} parts from {first}");
+            }
+        }
+    }
 }

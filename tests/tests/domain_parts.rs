@@ -1,20 +1,53 @@
 //! Domains whose parts stay where they were refined: together they are the engine's mesh, to its
-//! numbers, its regions and its triangles.
+//! numbers, its regions and its triangles, and conform as it does.
 
 use ltbw::distributed::{self, Hashed};
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::refine::{RefineOutcome, RefineStats, Refined, Refiner};
 use ltbw::refining::{Late, RefinedPart, TeamRounds, Wishes, rounds_on_team};
+use ltbw::team::{Post, Team};
 use ltbw::threads::Parallel;
 use ltbw::{BoundaryFace, CancelToken, TetMesh, canonical_hash};
+use ltbw_cli::plc_of;
+use ltbw_cli::ranks::Judge;
 use ltbw_generate::{Shape, generate_domain};
 use ltbw_tests::domains::NAMED;
 use ltbw_tests::teams::on_team;
+use ltbw_verify as verify;
+
+/// One member's part, and what all have found of the whole.
+struct Kept {
+    own: RefinedPart,
+    hashed: Hashed,
+    found: verify::Conformity,
+    /// The regions of this part are others than they say, if it has any tetrahedra.
+    spoilt: verify::Conformity,
+}
 
 /// The ends of a team.
 enum Ends {
-    Parts(Vec<(RefinedPart, Hashed)>),
+    Parts(Vec<Kept>),
     Whole(Late),
+}
+
+/// The checker's findings of a mesh in parts. Of the last part a region is another one if it is
+/// `spoilt`.
+fn judged<P: Post>(
+    team: &mut Team<P>,
+    own: &RefinedPart,
+    ready: &Prepared,
+    spoilt: bool,
+) -> verify::Conformity {
+    let mut tags: Vec<i64> = own.regions.iter().map(|&region| i64::from(region)).collect();
+    if spoilt && team.me().number() + 1 == team.size() {
+        tags.iter_mut().take(1).for_each(|tag| *tag += 1);
+    }
+    let distributed::Part { points, numbers, tets, .. } = &own.part;
+    let part = verify::DomainPart { points, numbers, tets, tags: Some(&tags) };
+    let plc = plc_of(ready.judged(), own.whole.stats.flat_tolerance);
+    let options = verify::Options { numbered_regions: true, ..verify::Options::default() };
+    verify::conforms_parted(&mut Judge(team), &part, &plc, &verify::Limits::default(), &options)
+        .expect("findings")
 }
 
 /// Refines on a team whose members are to keep their parts.
@@ -30,16 +63,21 @@ fn in_parts(
         let threads = (&parallel.cancel(&token), &token);
         let wishes = Wishes { in_parts: true, markers, ..Wishes::default() };
         let end = rounds_on_team(refiner, whole, threads, team, wishes).expect("a mesh");
-        let hash = match &end {
-            TeamRounds::Part(own) => Some(distributed::hash(team, &own.part).expect("a hash")),
+        let found = match &end {
+            TeamRounds::Part(own) => {
+                let hashed = distributed::hash(team, &own.part).expect("a hash");
+                Some((hashed, [false, true].map(|spoilt| judged(team, own, ready, spoilt))))
+            }
             TeamRounds::Whole(..) | TeamRounds::Elsewhere => None,
         };
-        (end, hash)
+        (end, found)
     });
     let (mut parts, mut late) = (Vec::new(), None);
     for end in ends {
         match end {
-            (TeamRounds::Part(own), Some(hash)) => parts.push((*own, hash)),
+            (TeamRounds::Part(own), Some((hashed, [found, spoilt]))) => {
+                parts.push(Kept { own: *own, hashed, found, spoilt });
+            }
             (TeamRounds::Whole(_, own), _) => late = Some(own.why),
             _ => {}
         }
@@ -70,12 +108,28 @@ fn triangles(
 }
 
 /// Compares parts with a mesh that one has.
-fn same(name: &str, parts: &[(RefinedPart, Hashed)], engine: &Refined) {
+fn same(name: &str, parts: &[Kept], engine: &Refined, ready: &Prepared) {
     let TetMesh { points, tets, tet_tags, faces, .. } = engine.inside();
     let hash = canonical_hash(&points, &tets).expect("a hash");
     let regions = tet_tags.expect("regions");
+    let plc = plc_of(ready.judged(), engine.stats.flat_tolerance);
+    let (limits, options) = (verify::Limits::default(), verify::Options::default());
+    let mesh = verify::Mesh::new(&points, &tets);
+    let judged = verify::conforms(&mesh, &plc, Some(&regions), &limits, &options);
+    let has_tets = |own: &&Kept| !own.own.part.tets.is_empty();
+    let is_spoilt = parts.last().filter(has_tets).is_some();
     let (mut all, mut found) = (Vec::new(), Vec::new());
-    for (own, hashed) in parts {
+    for Kept { own, hashed, found: conformity, spoilt } in parts {
+        assert!(
+            conformity.passed(),
+            "{name}: {:?} {:?}",
+            conformity.mesh_defects,
+            conformity.findings
+        );
+        let counts = |own: &verify::Conformity| (own.subfaces, own.tets, own.cells);
+        assert_eq!(counts(conformity), counts(&judged), "{name}");
+        assert_eq!(conformity.volume, judged.volume, "{name}");
+        assert_eq!(spoilt.passed(), !is_spoilt, "{name}: a region that is another one");
         assert_eq!((hashed.hash, hashed.tets), (hash, tets.len() as u64), "{name}");
         let part = &own.part;
         assert!(part.numbers.is_sorted(), "{name}");
@@ -143,7 +197,7 @@ fn parts_of_domains_are_the_engines_mesh() {
                 match in_parts(&refiner, &ready, members, markers) {
                     Ends::Parts(parts) => {
                         assert_eq!(engine.outcome, RefineOutcome::Met, "{name}");
-                        same(&name, &parts, &engine);
+                        same(&name, &parts, &engine, &ready);
                         kept += 1;
                     }
                     Ends::Whole(why) => println!("{name}: {why}"),

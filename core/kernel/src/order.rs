@@ -54,14 +54,11 @@ fn in_rounds(points: &[Point], rounds: u32, frame: Cube) -> Vec<u32> {
         let round = round_of(i as u32, rounds);
         Keyed { key: u64::from(round) << (3 * BITS) | frame.key(p), index: i as u32 }
     };
-    let mut keyed: Vec<Keyed>;
-    if points.len() < MANY {
-        keyed = points.iter().enumerate().map(key).collect();
-        keyed.sort_unstable();
-    } else {
-        keyed = points.par_iter().enumerate().map(key).collect();
-        keyed.par_sort_unstable();
-    }
+    let mut keyed: Vec<Keyed> = match points.len() < MANY {
+        true => points.iter().enumerate().map(key).collect(),
+        false => points.par_iter().enumerate().map(key).collect(),
+    };
+    keyed.par_sort_unstable();
     refine(points, &mut keyed, 1);
     keyed.into_iter().map(|keyed| keyed.index).collect()
 }

@@ -17,7 +17,7 @@ type Keyed = [u64; 5];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Unnumbered {
     pub(crate) at: Point,
-    /// What is counted, below [`KINDS`]: the same in all parts.
+    /// The kind under which it is counted, below [`KINDS`]: the same in all parts.
     pub(crate) kind: u8,
 }
 
@@ -54,7 +54,7 @@ pub(crate) fn number<P: Post>(
         own.par_iter().map(keyed).zip(0..own.len() as u32).collect();
     sorted.par_sort_unstable();
     let keys: Vec<Keyed> = sorted.iter().map(|own| own.0).collect();
-    // What is in one cell is sorted by one member: clusters are sorted again.
+    // One member has all of a cell: clusters are sorted again.
     let asked = stretch_cut(team, &keys, |[key, ..]| [key, 0, 0, 0, 0])?;
     drop(keys);
     let mut stretch = asked.concat();

@@ -9,7 +9,7 @@ use crate::team::{Post, Team, TeamError};
 pub(crate) struct Side {
     /// The corners of the triangle by number, ascending.
     pub(crate) corners: [u32; 3],
-    /// The region and the vertices of the tetrahedron on this side: the lesser one has the triangle.
+    /// The region and the vertices of the tetrahedron on this side: the lesser has the triangle.
     pub(crate) rank: [u32; 5],
 }
 

@@ -209,7 +209,8 @@ fn planted_breaches_are_found_whole_and_in_parts() {
             tags.push(tags[t]);
         });
         assert!(twice.mesh_defect_count > 0, "{t}");
-        let flat = plant(&|own, _| own.tets[t][3] = own.tets[t][2] ^ 1);
+        let wall = [0, 1, 2, 3].map(|k| 4 * (t as u32 / 6) + k);
+        let flat = plant(&|own, _| own.tets[t] = wall);
         assert!(!flat.passed(), "{t}");
         let torn = plant(&|own, _| {
             let v = own.tets[t][1];

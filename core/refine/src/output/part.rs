@@ -29,7 +29,7 @@ pub struct ThinTet {
 pub struct Amiss {
     /// Is one over its bounds, or has a sizing function no length for it?
     pub is_over: bool,
-    /// Those that may have tiny dihedral angles.
+    /// The tetrahedra that may have tiny dihedral angles.
     pub thin: Vec<TetId>,
 }
 

@@ -344,7 +344,7 @@ struct Numbers {
     of: Vec<Vertex>,
     /// All new ones, on segments, on facets and inside.
     counts: [u64; 3],
-    /// Those that the domain says.
+    /// The number of those that the domain says.
     given: Vertex,
 }
 

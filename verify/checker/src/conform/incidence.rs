@@ -12,6 +12,13 @@ use crate::chunks::pieces_of;
 use crate::predicates::{Tally, orient3d};
 use std::collections::{HashMap, HashSet};
 
+/// A vertex of the mesh on an edge of the domain, by its place along it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct OnEdge {
+    pub(super) place: i128,
+    pub(super) vertex: u32,
+}
+
 /// Facets, or edges, that are looked at together.
 const PIECE: usize = 1 << 10;
 
@@ -90,14 +97,15 @@ impl Run<'_> {
         corners: &[Whole],
         points: &[Whole],
         tree: &Tree<'_>,
-    ) -> Vec<Vec<(i128, u32)>> {
+    ) -> Vec<Vec<OnEdge>> {
         let parts = pieces_of(PIECE, wanted.len(), |range| {
             let (mut chains, mut steps) = (Vec::new(), 0);
             for ends in &wanted[range] {
                 let [a, b] = ends.map(|v| corners[v as usize]);
-                let mut chain: Vec<(i128, u32)> = Vec::new();
+                let mut chain: Vec<OnEdge> = Vec::new();
                 steps += tree.search(&Shape::segment(&a, &b), |v| {
-                    chain.extend(along(a, b, points[v as usize]).map(|place| (place, v)));
+                    let place = along(a, b, points[v as usize]);
+                    chain.extend(place.map(|place| OnEdge { place, vertex: v }));
                 });
                 chain.sort_unstable();
                 chains.push(chain);
@@ -125,7 +133,7 @@ impl Run<'_> {
         for (ends, chain) in wanted.iter().zip(self.chains(&wanted, corners, points, tree)) {
             self.out.steps += chain.len() as u64;
             for pair in chain.windows(2) {
-                links.entry(edge(pair[0].1, pair[1].1)).or_default().push(*ends);
+                links.entry(edge(pair[0].vertex, pair[1].vertex)).or_default().push(*ends);
             }
         }
         let chains = links.keys().copied().collect();

@@ -1,11 +1,10 @@
 //! The faces at which parts touch, and those of the hull, where they have met.
 
-use super::super::facet::FlatFacet;
 use super::super::tiles::{Found, Planes, planes_of};
 use super::super::tree::Tree;
 use super::super::whole::{Units, Whole};
 use super::super::{ConformityDefect, Run};
-use super::sums;
+use super::{Facets, sums};
 use crate::mesh::{Mesh, Point, split};
 use crate::parted::Soundness;
 use crate::parted::exchange::{Exchange, deal, member_of};
@@ -80,7 +79,7 @@ impl Between {
     pub(super) fn find_tiles(
         &mut self,
         run: &mut Run<'_>,
-        (facets, corners, groups): (&[Option<FlatFacet>], &[Whole], &[u32]),
+        &Facets { facets, corners, groups }: &Facets<'_>,
         planes: &Planes<'_>,
         areas: &mut [BigInt],
     ) {

@@ -1,7 +1,6 @@
 //! Edges of the domain are chains of edges of the mesh: each edge is put together by one member.
 
-use super::super::tree::Tree;
-use super::super::whole::Whole;
+use super::super::incidence::OnEdge;
 use super::super::{ConformityDefect, Run};
 use crate::parted::exchange::{Exchange, deal};
 use std::collections::{HashMap, HashSet};
@@ -12,24 +11,22 @@ type Link = [u64; 3];
 
 impl Run<'_> {
     /// Every edge of a polygon and every segment is a chain of edges of the mesh, whoever has them.
+    /// `chains` are the part's vertices on each of these.
     pub(super) fn edges_in_parts<E: Exchange>(
         &mut self,
         team: &mut E,
-        corners: &[Whole],
-        points: &[Whole],
-        (tree, groups): (&Tree<'_>, &[u32]),
+        wanted: &[[u32; 2]],
+        chains: &[Vec<OnEdge>],
     ) -> Result<(), E::Error> {
-        let wanted = self.wanted(groups);
-        let chains = self.chains(&wanted, corners, points, tree);
         let mut links: HashSet<Link> = HashSet::new();
         // The edges of the domain that a vertex is on, with its place along each: most are on none.
         let mut on: HashMap<u32, Vec<[u64; 2]>> = HashMap::new();
-        for (e, chain) in (0u64..).zip(&chains) {
-            for &(place, v) in chain {
+        for (e, chain) in (0u64..).zip(chains) {
+            for &OnEdge { place, vertex } in chain {
                 // Places are differences of coordinates, and so below 2^61.
                 let place = place as u64;
                 links.insert([e, place, place]);
-                on.entry(v).or_default().push([e, place]);
+                on.entry(vertex).or_default().push([e, place]);
             }
         }
         for tet in self.mesh.tets {

@@ -1,10 +1,10 @@
 //! The conformity of a mesh in parts: each member of a team has one, and the whole domain.
 //!
-//! What a part has inside is looked at there, by the code for whole meshes. Whatever is between
+//! The inside of a part is looked at there, by the code for whole meshes. Whatever is between
 //! parts is looked at where it meets: vertices and faces by their coordinates, as in
-//! [`crate::check_parted`]; the pieces of an edge of the domain by the number of that edge. Areas of
-//! planes and volumes are sums, exact ones; components of the mesh are put together at the faces
-//! between parts that are on no facet.
+//! [`crate::check_parted`]; the pieces of an edge of the domain by the number of that edge. Areas
+//! of planes and volumes are sums, exact ones; components of the mesh are put together at the
+//! faces between parts that are on no facet.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -20,6 +20,7 @@ mod chains;
 mod sums;
 
 use super::exterior::Exterior;
+use super::facet::FlatFacet;
 use super::place::groups;
 use super::tiles::{Planes, planes_of};
 use super::tree::Tree;
@@ -121,6 +122,20 @@ struct Judged<'a> {
     sound: &'a Soundness,
 }
 
+/// The inside of a part: which faces are on facets, and the regions.
+struct Inside<'a> {
+    own: &'a Judged<'a>,
+    codes: &'a HashSet<u32>,
+    tags: Option<&'a [i64]>,
+}
+
+/// The facets of the domain in their planes.
+struct Facets<'a> {
+    facets: &'a [Option<FlatFacet>],
+    corners: &'a [Whole],
+    groups: &'a [u32],
+}
+
 /// The components of the whole mesh between facets.
 struct Components {
     /// By tetrahedron of the part.
@@ -184,16 +199,20 @@ impl Run<'_> {
         let tree = Tree::new(points, order.collect());
         let on = self.vertices_on(&facets, &corners, &tree);
         let groups = groups(&facets, &corners);
-        self.edges_in_parts(team, &corners, points, (&tree, &groups))?;
+        let wanted = self.wanted(&groups);
+        let chains = self.chains(&wanted, &corners, points, &tree);
+        self.edges_in_parts(team, &wanted, &chains)?;
         drop(tree);
         let (planes, on) = (Planes::new(&facets, &groups), planes_of(&on, &groups));
         let (codes, mut areas) = self.found_tiles(&planes, points, &sound.faces, &on, true);
         drop(on);
         let mut between = Between::of(&sound.met, units);
-        between.find_tiles(self, (&facets, &corners, &groups), &planes, &mut areas);
+        let domain = Facets { facets: &facets, corners: &corners, groups: &groups };
+        between.find_tiles(self, &domain, &planes, &mut areas);
         self.untiled(team, &planes, &areas)?;
         between.hull(self);
-        let (cells, count) = self.components(team, own, (&codes, tags), &between)?;
+        let (cells, count) =
+            self.components(team, Inside { own, codes: &codes, tags }, &between)?;
         let seeds = self.seeds(units, points);
         let seeds = self.seeds_in_parts(team, sound.first, &seeds, &cells)?;
         Ok(Components { cells, seeds, count })
@@ -203,8 +222,7 @@ impl Run<'_> {
     fn components<E: Exchange>(
         &mut self,
         team: &mut E,
-        own: &Judged<'_>,
-        (codes, tags): (&HashSet<u32>, Option<&[i64]>),
+        Inside { own, codes, tags }: Inside<'_>,
         between: &Between,
     ) -> Result<(Vec<u32>, u64), E::Error> {
         let sound = own.sound;

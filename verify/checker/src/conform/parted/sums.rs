@@ -73,7 +73,7 @@ pub(super) struct Roots {
 }
 
 impl Roots {
-    /// Of so many, which pairs join.
+    /// The roots of `count` components that pairs join.
     pub(super) fn of(count: u64, pairs: &[[u32; 2]]) -> Self {
         let mut own = Self { below: HashMap::new(), count };
         for pair in pairs {
