@@ -137,6 +137,9 @@ fn tags_are_the_numbers_that_the_seeds_give() {
     assert_eq!(some.with_tags([2, 0, 1], true), [(TagNotOfSeed, 6)]);
 }
 
+/// A change of a domain, and what the checker finds then.
+type Planted<'p> = (&'p dyn Fn(&mut Plc), &'p [ConformityDefect]);
+
 /// Breaches of every kind, wherever the parts of the mesh end.
 #[test]
 fn planted_breaches_are_found_whole_and_in_parts() {
@@ -155,7 +158,7 @@ fn planted_breaches_are_found_whole_and_in_parts() {
     assert!(judge(&sound, &tags, &none).passed());
 
     // The domain, the tags, the limits.
-    let in_domain: [(&dyn Fn(&mut Plc), &[ConformityDefect]); 8] = [
+    let in_domain: [Planted<'_>; 8] = [
         (&|plc| plc.holes.push([1.5, 0.375, 0.625]), &[HoleMeshed]),
         (&|plc| plc.regions.push([9.0; 3]), &[RegionNotMeshed]),
         (&|plc| plc.vertices.push([0.25, 0.5, 0.5]), &[VertexMissing]),
