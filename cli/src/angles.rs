@@ -1,6 +1,7 @@
 //! Dihedral angles below `--min-dihedral`: what `check` tells of them.
 
 use ltbw::TetMesh;
+use ltbw::quality::LeastAngles;
 use ltbw_verify::SmallAngles;
 
 /// Tetrahedra that people are shown.
@@ -26,6 +27,19 @@ pub(crate) fn line(found: &SmallAngles, mesh: &TetMesh) -> String {
         format!("; least {:.4e} in tetrahedron {}, around {centre:?}", least.value, least.tet)
     });
     format!("angles    below {} degrees: {} tetrahedra{first}{least}", found.bound, found.count)
+}
+
+/// Degrees in a bin that people are shown.
+const SHOWN_TOGETHER: usize = 5;
+
+/// The tetrahedra by their smallest dihedral angle, as far as there are some.
+pub(crate) fn by_smallest(angles: &LeastAngles) -> String {
+    let bins = angles.counts().chunks(SHOWN_TOGETHER).map(|bin| bin.iter().sum::<u64>());
+    let told = bins.enumerate().filter(|(_, count)| *count > 0).map(|(k, count)| {
+        let from = k * SHOWN_TOGETHER;
+        format!("{from}-{}: {count}", from + SHOWN_TOGETHER)
+    });
+    format!("          by smallest angle: {}", told.collect::<Vec<_>>().join(", "))
 }
 
 /// The failure of the bound, if an angle is below.

@@ -11,7 +11,7 @@ use crate::points::{
     ending, finish_unbegun, keep_check, print_mesh, print_thickness, unless_stopped, word_of,
 };
 use crate::progress::{Progress, Stage};
-use crate::report::{Input, MeshPart, Predicates, Report};
+use crate::report::{Input, Measured, MeshPart, Predicates, Report};
 use crate::slices::{Sliced, read};
 use crate::streams::Source;
 use crate::task::{ALONE, InParts, Judged, Task};
@@ -264,7 +264,7 @@ fn write_whole(
     drop(tets);
     task.write_whole(&mesh, ALONE, report)?;
     if task.page.is_some() {
-        judged.quality = Quality::of(&mesh.points, &mesh.tets);
+        judged.measured = Quality::of(&mesh.points, &mesh.tets).map(Measured::plain);
         let workers: Vec<u32> = match lengths.len() {
             1 => Vec::new(),
             _ => (0..).zip(lengths).flat_map(|(k, n)| std::iter::repeat_n(k, n)).collect(),

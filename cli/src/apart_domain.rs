@@ -15,7 +15,7 @@ use crate::outcome::{Exit, Failure};
 use crate::plc::plc_of;
 use crate::progress::{Progress, Stage};
 use crate::quality_apart::quality;
-use crate::report::{Seconds, quality_json};
+use crate::report::{Seconds, measured_json};
 use crate::surface::print_patches;
 use crate::workers::{Made, Setting, print_workers};
 use ltbw::TetMesh;
@@ -112,12 +112,13 @@ fn finish_part(
     }
     report.mesh.hash = Some(hashed.hash.to_string());
     report.seconds = seconds;
-    told.print(quality.as_ref());
+    let measured = told.measured(quality);
+    told.print(measured.as_ref());
     let made = Made { workers: whole.workers.clone(), ..Made::default() };
     print_workers(&made);
     report.workers = made.workers;
     print_patches(job.flat_tolerance, &whole.stats);
-    report.quality = quality.as_ref().map(quality_json);
+    report.quality = measured.as_ref().map(measured_json);
     task.stop.inserted();
     let attributes = attributes_of(&whole.regions);
     let of_region = |of: &Vec<f64>| -> Option<Vec<f64>> {

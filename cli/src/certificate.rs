@@ -5,12 +5,16 @@ use crate::binding::{Setting, options_hash, sha256};
 use crate::conform::without_exterior;
 use crate::console;
 use crate::outcome::{Exit, Failure, show};
+use crate::picture::angles::split_text;
 use crate::progress::Stage;
 use crate::streams::Source;
 use ltbw::io;
 use ltbw_verify as verify;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+
+/// The parts of files that come beside the input.
+const BESIDE: [&str; 6] = ["domain", "points", "mark", "sizes", "background", "without"];
 
 /// `ltbw check MESH --certificate REPORT [--input FILE]`.
 pub(crate) fn check(args: &Check, mesh: &Source, report: &Path) -> Result<Exit, Failure> {
@@ -28,6 +32,7 @@ pub(crate) fn check(args: &Check, mesh: &Source, report: &Path) -> Result<Exit, 
     let inputs = compare_inputs(&args.input, certificate, &mut found)?;
     found.iter().for_each(|text| console::people(&format!("differs   {text}")));
     if found.is_empty() {
+        slivers(&told).iter().for_each(|text| console::people(&format!("slivers   {text}")));
         let word = certificate["verdict"].as_str().unwrap_or("passed");
         console::people(&format!(
             "checked   the mesh, {inputs} and the options are those of the certificate ({word})"
@@ -38,6 +43,18 @@ pub(crate) fn check(args: &Check, mesh: &Source, report: &Path) -> Result<Exit, 
     let plural = if count == 1 { "" } else { "s" };
     console::people(&format!("ltbw: {name}: {count} difference{plural} from {report}"));
     Ok(Exit::Defect)
+}
+
+/// The slivers that a report tells of: how many there were, and are.
+fn slivers(report: &Value) -> Option<String> {
+    let below = report["refinement"]["slivers"]["below"].as_f64()?;
+    let of = |name: &str| {
+        let counts = report["quality"][name]["counts"].as_array()?;
+        let below = counts.iter().take(below as usize);
+        Some(below.filter_map(Value::as_u64).sum::<u64>())
+    };
+    let (before, after) = (of("least_dihedral_before")?, of("least_dihedral")?);
+    split_text(below, before, after)
 }
 
 fn read(report: &Path) -> Result<Value, Failure> {
@@ -160,7 +177,7 @@ fn compare_inputs(
         }
         for path in others {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let beside = |t: &&Told<'_>| ["sizes", "background", "without"].contains(&t.role);
+            let beside = |t: &&Told<'_>| BESIDE.contains(&t.role);
             compare(path, told.iter().filter(beside).find(|t| t.name == name))?;
         }
     }

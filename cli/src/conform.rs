@@ -10,6 +10,7 @@ use crate::plc::plc_of;
 use crate::progress::Stage;
 use crate::streams::{Formats, Source};
 use ltbw::domain::Prepared;
+use ltbw::quality::Quality;
 use ltbw::refine::{RefineOutcome, Refined, Verdict};
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
@@ -71,7 +72,12 @@ pub(crate) fn check(
     }
     print(&mut found);
     let small = found.below_dihedral.as_ref();
-    small.iter().for_each(|small| console::people(&angles::line(small, &inside)));
+    if let Some(small) = small {
+        console::people(&angles::line(small, &inside));
+        let quality = Quality::of(&inside.points, &inside.tets);
+        let angles = quality.map(|quality| angles::by_smallest(&quality.least_angles));
+        angles.iter().for_each(|line| console::people(line));
+    }
     if word == Verdict::Passed {
         console::people(&format!("checked   {}", summary(&found)));
         let failure = small.and_then(angles::failure);

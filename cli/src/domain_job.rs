@@ -45,6 +45,9 @@ impl Job<'_> {
     pub(crate) fn refiner<'a>(&'a self, progress: &'a Progress) -> Refiner<'a> {
         let mut refiner = self.asked.refiner().observer(progress).cancel(self.task.stop.token());
         refiner = refiner.flat_tolerance(self.flat_tolerance);
+        if self.task.json.or(self.task.page).or(self.histogram).is_some() {
+            refiner = refiner.count_angles();
+        }
         if let Some(field) = &self.field {
             refiner = refiner.sizing(field);
         }

@@ -3,7 +3,8 @@
 use crate::console;
 use crate::domain_job::Job;
 use crate::excused::{self, SliversLeft};
-use crate::report::{Input, MeshPart, Predicates, Report, quality_line};
+use crate::picture::angles::Slivers;
+use crate::report::{Input, Measured, MeshPart, Predicates, Report, quality_line};
 use crate::rounds;
 use crate::surface::{given_json, repairs_json, simplified_json};
 use ltbw::PredicateStats;
@@ -45,7 +46,7 @@ impl<'a> Told<'a> {
     }
 
     /// Tells people.
-    pub(crate) fn print(&self, quality: Option<&Quality>) {
+    pub(crate) fn print(&self, measured: Option<&Measured>) {
         let Self { mesh: [vertices, tets, _], stats, regions, .. } = self;
         console::people(&format!(
             "mesh      {vertices} vertices, {tets} tetrahedra inside, {} regions",
@@ -59,7 +60,18 @@ impl<'a> Told<'a> {
             console::people(&format!("smoothed  {} moves of vertices inside", stats.moved));
         }
         rounds::line(stats).iter().for_each(|line| console::people(line));
-        quality.into_iter().for_each(|quality| console::people(&quality_line(quality)));
+        let Some(Measured { quality, slivers }) = measured else { return };
+        console::people(&quality_line(quality));
+        if slivers.before.is_some() {
+            let text = slivers.text(&quality.least_angles);
+            text.iter().for_each(|text| console::people(&format!("slivers   {text}")));
+        }
+    }
+
+    /// The quality of the mesh, with what was counted before slivers were split.
+    pub(crate) fn measured(&self, quality: Option<Quality>) -> Option<Measured> {
+        let &RefineStats { min_dihedral: below, before_slivers: before, .. } = self.stats;
+        quality.map(|quality| Measured { quality, slivers: Slivers { below, before } })
     }
 
     /// The report, without what comes after the mesh.

@@ -12,7 +12,7 @@ use crate::outcome::{Exit, Failure};
 use crate::page::Scene;
 use crate::pieces::parts_of;
 use crate::progress::Stage;
-use crate::report::{Report, Seconds, quality_json};
+use crate::report::{Measured, Report, Seconds, measured_json};
 use crate::rounds;
 use crate::surface::print_patches;
 use crate::task::{Beside, Judged};
@@ -67,13 +67,13 @@ pub(crate) fn finish(
     }
     report.mesh.hash = Some(hash);
     report.seconds = seconds;
-    let mut judged = Judged::unseen(Quality::of(&inside.points, &inside.tets));
+    let mut judged = Judged::unseen(told.measured(Quality::of(&inside.points, &inside.tets)));
     drop(stage);
-    told.print(judged.quality.as_ref());
+    told.print(judged.measured.as_ref());
     print_workers(&made);
     report.workers.clone_from(&made.workers);
     print_patches(job.flat_tolerance, &refined.stats);
-    report.quality = judged.quality.as_ref().map(quality_json);
+    report.quality = judged.measured.as_ref().map(measured_json);
     if refined.outcome != RefineOutcome::Cancelled {
         task.stop.inserted();
     }
@@ -102,8 +102,8 @@ pub(crate) fn finish(
         let scene = Scene { mesh: &inside, hull: &[], workers, names, excused: &excused };
         task.write_page(&scene, &report, &judged, None)?;
     }
-    if let (Some(path), Some(quality)) = (job.histogram, &judged.quality) {
-        write_text(path, &crate::picture::histograms::svg(quality))?;
+    if let (Some(path), Some(Measured { quality, slivers })) = (job.histogram, &judged.measured) {
+        write_text(path, &crate::picture::histograms::svg(quality, slivers))?;
     }
     task.finish(&mut report)?;
     Ok(ending(job, &refined, ready, &slivers))

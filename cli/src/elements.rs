@@ -1,6 +1,6 @@
 //! Information of `check` on a mesh beside its defects: quality, pieces, shape.
 
-use crate::angles::centre;
+use crate::angles::{by_smallest, centre};
 use crate::console;
 use crate::report::{quality_json, quality_line};
 use ltbw::TetMesh;
@@ -91,6 +91,7 @@ fn measures(quality: &Quality, mesh: &TetMesh) -> Vec<String> {
             centre(mesh, angle.tet)
         ),
         format!("          below 1 degree: {below_1} tetrahedra, below 5 degrees: {below_5}"),
+        by_smallest(&quality.least_angles),
         format!(
             "          volumes {:.4e} (tetrahedron {}) to {:.4e} (tetrahedron {})",
             volume.least.value, volume.least.tet, volume.largest.value, volume.largest.tet

@@ -4,7 +4,7 @@
 use crate::others::Apart;
 use crate::outcome::Failure;
 use ltbw::distributed::Part;
-use ltbw::quality::{Extreme, Quality};
+use ltbw::quality::{Extreme, LeastAngles, Quality};
 use serde::{Deserialize, Serialize};
 
 /// The figures of one part, or of several.
@@ -13,6 +13,7 @@ struct Figures {
     tets: u64,
     /// Of each histogram.
     counts: Vec<Vec<u64>>,
+    least_angles: LeastAngles,
     /// Values, each with its tetrahedron by numbers: of each histogram the least and the largest
     /// one, then the smallest scaled Jacobian.
     extremes: Vec<(f64, [u32; 4])>,
@@ -25,6 +26,7 @@ impl Figures {
         Self {
             tets: own.tets as u64,
             counts: own.histograms().map(|own| own.counts.clone()).into(),
+            least_angles: own.least_angles,
             extremes: extremes(&mut own.clone()).map(|own| extreme(own)).into(),
             small: own.small,
         }
@@ -36,6 +38,7 @@ impl Figures {
         for (own, other) in self.counts.iter_mut().zip(&other.counts) {
             own.iter_mut().zip(other).for_each(|(own, more)| *own += more);
         }
+        self.least_angles = self.least_angles.merged(other.least_angles);
         for (k, (own, other)) in self.extremes.iter_mut().zip(&other.extremes).enumerate() {
             let is_further = match IS_LARGEST[k] {
                 true => other.0 > own.0,
@@ -89,6 +92,7 @@ pub(crate) fn quality(others: &dyn Apart, part: &Part) -> Result<Option<Quality>
     let places: Vec<Vec<u64>> = others.all(&sum.extremes.iter().map(before).collect())?;
     let mut whole = Quality::within(&[], &[], widths);
     (whole.tets, whole.small) = (sum.tets as usize, sum.small);
+    whole.least_angles = sum.least_angles;
     let Quality { dihedral, radius_edge, volume, edge, .. } = &mut whole;
     for (own, counts) in [dihedral, radius_edge, volume, edge].into_iter().zip(sum.counts) {
         own.counts = counts;

@@ -4,8 +4,9 @@
 use crate::console;
 use crate::json::write_json;
 use crate::outcome::{Failure, seconds};
+use crate::picture::angles::Slivers;
 use ltbw::PredicateStats;
-use ltbw::quality::{Extreme, Histogram, Quality, SMALL_ANGLES};
+use ltbw::quality::{Extreme, Histogram, LeastAngles, Quality, SMALL_ANGLES};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -165,6 +166,19 @@ pub(crate) struct Seconds {
     pub(crate) total: f64,
 }
 
+/// The quality of a mesh, and what was made of its slivers.
+pub(crate) struct Measured {
+    pub(crate) quality: Quality,
+    pub(crate) slivers: Slivers,
+}
+
+impl Measured {
+    /// A mesh whose slivers nobody has split.
+    pub(crate) fn plain(quality: Quality) -> Self {
+        Self { quality, slivers: Slivers::default() }
+    }
+}
+
 /// Histograms and extremes of a mesh, as JSON.
 pub(crate) fn quality_json(quality: &Quality) -> Value {
     let extreme = |e: Extreme| json!({ "value": e.value, "tet": e.tet });
@@ -184,8 +198,27 @@ pub(crate) fn quality_json(quality: &Quality) -> Value {
         "radius_edge": histogram(&quality.radius_edge),
         "volume": histogram(&quality.volume),
         "edge": histogram(&quality.edge),
+        "least_dihedral": least_angles_json(&quality.least_angles),
         "least_scaled_jacobian": extreme(quality.scaled_jacobian),
         "small_dihedral": SMALL_ANGLES.iter().zip(quality.small).map(small).collect::<Vec<_>>(),
+    })
+}
+
+/// As [`quality_json`], with the smallest dihedral angles before slivers were split, if they were
+/// counted.
+pub(crate) fn measured_json(measured: &Measured) -> Value {
+    let mut all = quality_json(&measured.quality);
+    let before = measured.slivers.before.as_ref();
+    all["least_dihedral_before"] = before.map_or(Value::Null, least_angles_json);
+    all
+}
+
+fn least_angles_json(angles: &LeastAngles) -> Value {
+    json!({
+        "low": 0,
+        "high": LeastAngles::HIGH,
+        "counts": angles.counts(),
+        "least": angles.least(),
     })
 }
 

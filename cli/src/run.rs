@@ -16,7 +16,7 @@ use crate::points::{
     ending, finish_unbegun, keep_check, print_mesh, print_thickness, unless_stopped, word_of,
 };
 use crate::progress::{self, Progress, Stage};
-use crate::report::{Input, MeshPart, Predicates, Report};
+use crate::report::{Input, Measured, MeshPart, Predicates, Report};
 use crate::task::{ALONE, Files, Judged, Task};
 use crate::without::{Given, Without};
 use ltbw::balance::Balance;
@@ -182,7 +182,7 @@ fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
     let part = |tets: &Vec<[u32; 4]>| part_of(&mesh, tets.clone(), Vec::new());
     task.write(&mesh, ALONE, || parts.iter().map(part).collect(), &mut report)?;
     if task.page.is_some() {
-        judged.quality = Quality::of(&mesh.points, &mesh.tets);
+        judged.measured = Quality::of(&mesh.points, &mesh.tets).map(Measured::plain);
         let workers = owners(&mesh, &parts);
         let scene = Scene { mesh: &mesh, hull: &hull, workers: &workers, names: &[], excused: &[] };
         task.write_page(&scene, &report, &judged, timeline.as_deref())?;

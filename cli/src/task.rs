@@ -10,12 +10,12 @@ use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
 use crate::progress::Stage;
 use crate::report::{
-    Input, MeshPart, Predicates, Report, Seconds, Spent, Written, end, peak_rss_bytes,
+    Input, Measured, MeshPart, Predicates, Report, Seconds, Spent, Written, end, peak_rss_bytes,
 };
 use crate::streams::{Formats, Streams, attributes_note, name_of, on_stdout};
 use ltbw::TetMesh;
 use ltbw::io::{self, GroupName, MeshWriter, Piece};
-use ltbw::quality::{Array, Quality};
+use ltbw::quality::Array;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -201,8 +201,8 @@ impl Task<'_> {
         let Some(path) = self.page else { return Ok(()) };
         let _stage = Stage::begin("page");
         let mut page = Page::new(&show(self.name)).view(scene);
-        if let Some(quality) = &judged.quality {
-            page = page.mesh(report, &judged.verdict, quality);
+        if let Some(measured) = &judged.measured {
+            page = page.mesh(report, &judged.verdict, measured);
         }
         if let Some(timeline) = timeline {
             page = page.section("Time of the workers", timeline);
@@ -251,12 +251,12 @@ pub(crate) struct Judged {
     /// The checker's verdict, for people.
     pub(crate) verdict: String,
     /// The quality, if there are tetrahedra.
-    pub(crate) quality: Option<Quality>,
+    pub(crate) measured: Option<Measured>,
 }
 
 impl Judged {
     /// A mesh that nobody has checked.
-    pub(crate) fn unseen(quality: Option<Quality>) -> Self {
-        Self { verdict: "not checked".to_owned(), quality }
+    pub(crate) fn unseen(measured: Option<Measured>) -> Self {
+        Self { verdict: "not checked".to_owned(), measured }
     }
 }

@@ -1,6 +1,6 @@
 //! `check --min-dihedral`: counts, places and exit codes, of a mesh and of one of a domain.
 
-use crate::common::{json, run};
+use crate::common::{json, read_json, run};
 use crate::schema::validate;
 use std::path::Path;
 
@@ -77,4 +77,39 @@ fn bounds_that_are_none_are_refused() {
     assert_eq!(run(dir, &["check", "one.ele", "--min-dihedral", "90"], 1).code, 1);
     let domain = run(dir, &["check", "one.off", "--min-dihedral", "12"], 2);
     assert_eq!(domain.error(), "--min-dihedral is about meshes");
+}
+
+#[test]
+fn angles_before_slivers_and_after_are_told_where_they_are_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    run(dir, &["generate", "wedge", "--angle", "15", "-o", "d.poly"], 0);
+    let mesh = ["mesh", "d.poly", "--max-volume", "1e-3", "--excused-share", "0.05", "-o", "m.vtu"];
+    let plain = run(dir, &mesh, 0);
+    assert!(!plain.stderr.contains("slivers   "), "{}", plain.stderr);
+    let asked = ["--json", "r.json", "--page", "p.html", "--histogram", "h.svg"];
+    let told = run(dir, &[&mesh[..], &asked].concat(), 0);
+    assert_eq!(told.stdout, plain.stdout);
+    let quality = &read_json(dir.join("r.json"))["quality"];
+    let below = |name: &str| {
+        let counts = quality[name]["counts"].as_array().unwrap();
+        counts[..8].iter().map(|count| count.as_u64().unwrap()).sum::<u64>()
+    };
+    let (before, left) = (below("least_dihedral_before"), below("least_dihedral"));
+    assert!(before > left, "{before} before, {left} left");
+    let text = format!("below 8 degrees: {before} before slivers were split, {left} left");
+    assert!(told.stderr.contains(&format!("slivers   {text}")), "{}", told.stderr);
+    for file in ["p.html", "h.svg"] {
+        let picture = std::fs::read_to_string(dir.join(file)).unwrap();
+        assert!(picture.contains(&text), "{file}");
+        assert_eq!(picture.matches("#cc3311").count(), 8, "{file}: bars below the bound are red");
+    }
+    // The same counts by workers, and of the mesh as it is read.
+    run(dir, &[&mesh[..], &["--workers", "3", "--json", "w.json"]].concat(), 0);
+    assert_eq!(&read_json(dir.join("w.json"))["quality"], quality);
+    let found = json(&run(dir, &["check", "m.vtu", "--json", "-"], 0).stdout);
+    assert_eq!(found["quality"]["least_dihedral"], quality["least_dihedral"]);
+    validate(&found);
+    let shown = run(dir, &["check", "m.vtu", "--plc", "d.poly", "--min-dihedral", "0.01"], 0);
+    assert!(shown.stderr.contains("          by smallest angle: "), "{}", shown.stderr);
 }

@@ -80,6 +80,17 @@ fn reports_of_domains_are_as_their_schema_has_them() {
     assert!(volume > 0.0, "{report}");
     let share = &refinement["excused_at"]["share"];
     assert!(share.as_f64().is_some_and(|share| 0.0 < share && share <= 1.0), "{report}");
+    let before = report["quality"]["least_dihedral_before"]["counts"].as_array().unwrap();
+    let after = report["quality"]["least_dihedral"]["counts"].as_array().unwrap();
+    let sum = |counts: &[Value]| counts.iter().filter_map(Value::as_u64).sum::<u64>();
+    assert_eq!(sum(after), report["mesh"]["tets"]);
+    assert!(sum(&before[..8]) > sum(&after[..8]), "{report}");
+    // Without slivers there is no before; a mesh that is gone on with has a report, too.
+    std::fs::write(dir.join("marks.txt"), "0\n").unwrap();
+    let refine = ["refine", "d.vtu", "--mark", "marks.txt", "--min-dihedral", "0"];
+    let finer = written(dir, &[&refine[..], &["--json", "r.json"]].concat(), "r.json");
+    assert_eq!(finer["command"], "refine");
+    assert_eq!(finer["quality"]["least_dihedral_before"], Value::Null);
     let plc = ["check", "d.vtu", "--plc", "d.poly", "--max-volume", "1e-9", "--json", "c.json"];
     let certificate = written(dir, &plc, "c.json");
     assert!(!certificate["breaches"].as_array().unwrap().is_empty());

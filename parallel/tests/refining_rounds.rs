@@ -63,7 +63,7 @@ fn same(name: &str, one: &Refined, other: &Refined) {
     let figures = |refined: &Refined| {
         let stats = refined.stats;
         let rounds = (stats.rounds, stats.rounds_with, stats.widest, stats.round_points);
-        (rounds, stats.searches, stats.joint_phases)
+        (rounds, stats.searches, stats.joint_phases, stats.before_slivers)
     };
     assert_eq!(figures(one), figures(other), "{name}");
 }
@@ -74,6 +74,7 @@ pub(crate) fn one_mesh(
     refiner: &Refiner<'_>,
     ready: &Prepared,
 ) -> Result<Ending, ComplexError> {
+    let refiner = &refiner.count_angles();
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
     invariants::check_all(engine.mesh()).expect("invariants of the mesh");
     let whole = (&ready.domain, &ready.lattice);

@@ -17,6 +17,7 @@ fn points(refiner: &Refiner<'_>, ready: &Prepared) -> [u64; 2] {
     let engine = refiner.refine(whole.0, whole.1).expect("a mesh");
     let slivers = engine.rounds.iter().filter(|round| round.class == "slivers");
     let slivers = slivers.map(|round| round.points as u64).sum();
+    assert!(engine.stats.before_slivers.is_some_and(|own| slivers == 0 || own.below(12.0) > 0));
     let run = rounds_on_threads(refiner, whole, &Parallel::new(3)).expect("a run ends");
     [slivers, run.refined.stats.round_points - run.figures.points]
 }
@@ -33,7 +34,8 @@ fn workers_split_slivers() {
         (DomainKind::LBlock, 1e-3, 10.0),
     ] {
         let ready = prepared(kind, &Shape::default());
-        let refiner = Refiner::new().max_volume(volume).min_dihedral(degrees).start(64);
+        let refiner =
+            Refiner::new().max_volume(volume).min_dihedral(degrees).start(64).count_angles();
         let name = format!("{kind:?}, {degrees} degrees");
         let [slivers, left] = points(&refiner, &ready);
         println!("{name}: {slivers} points for slivers, {left} left to the engine");
@@ -57,7 +59,7 @@ fn workers_split_slivers_at_patches() {
         let options = PrepareOptions { oriented: true, ..PrepareOptions::default() };
         let ready = domain.prepare(&options).expect("a sound domain");
         let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(volume);
-        let refiner = refiner.min_dihedral(12.0).start(64);
+        let refiner = refiner.min_dihedral(12.0).start(64).count_angles();
         let own = points(&refiner, &ready);
         println!("{name}: {} points for slivers, {} left to the engine", own[0], own[1]);
         (all, left) = (all + own[0], left + own[1]);
@@ -78,7 +80,7 @@ fn workers_split_slivers_after_relief() {
         (DomainKind::Spike, 5.0, 5e-4),
     ] {
         let ready = prepared(kind, &Shape { angle: Some(angle), ..Shape::default() });
-        let refiner = Refiner::new().max_volume(volume).min_dihedral(12.0).start(64);
+        let refiner = Refiner::new().max_volume(volume).min_dihedral(12.0).start(64).count_angles();
         let name = format!("{kind:?} of {angle} degrees");
         let [slivers, left] = points(&refiner, &ready);
         println!("{name}: {slivers} points for slivers, {left} left to the engine");
@@ -92,7 +94,7 @@ fn workers_split_slivers_after_relief() {
 #[test]
 fn a_budget_that_slivers_use_up_leaves_the_engines_mesh() {
     let ready = prepared(DomainKind::CubeOctahedron, &Shape::default());
-    let refiner = Refiner::new().max_volume(1e-3).min_dihedral(12.0).start(64);
+    let refiner = Refiner::new().max_volume(1e-3).min_dihedral(12.0).start(64).count_angles();
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
     let stats = engine.stats;
     let all = stats.segment_points + stats.facet_points + stats.free_points;

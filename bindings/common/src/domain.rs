@@ -213,6 +213,9 @@ impl Ready {
         if let Some(bound) = wishes.max_volume {
             refiner = refiner.max_volume(bound);
         }
+        if wishes.count_angles {
+            refiner = refiner.count_angles();
+        }
         if let Some(bound) = wishes.max_edge {
             refiner = refiner.max_edge(bound);
         }

@@ -5,7 +5,7 @@ use crate::certificate;
 use crate::failure::Failure;
 use crate::locate::Locator;
 use crate::work::in_own_pool;
-use ltbw::quality::{self, Quality};
+use ltbw::quality::{self, LeastAngles, Quality};
 use ltbw::refine::{Refined, RegionInfo};
 use ltbw::topology::TetId;
 use ltbw::{BoundaryFace, CancelToken, Point, TetMesh, canonical_hash, io};
@@ -198,6 +198,12 @@ impl Meshed {
     #[must_use]
     pub fn quality(&self) -> Option<Quality> {
         Quality::of(&self.points(), &self.tets())
+    }
+
+    /// Smallest dihedral angles before slivers were split, if they were counted.
+    #[must_use]
+    pub fn before_slivers(&self) -> Option<LeastAngles> {
+        self.refined()?.stats.before_slivers
     }
 
     /// The mesh as files carry it.

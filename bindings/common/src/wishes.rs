@@ -45,6 +45,9 @@ pub struct Wishes {
     pub min_dihedral: Option<f64>,
     /// The sweeps in which vertices inside are moved in the end, at most 16.
     pub smooth: u32,
+    /// Count tetrahedra by their smallest dihedral angle before slivers are split, too:
+    /// [`Meshed::before_slivers`](crate::Meshed::before_slivers).
+    pub count_angles: bool,
     /// The most points to insert.
     pub max_points: Option<u64>,
     /// The rule that says what is void.

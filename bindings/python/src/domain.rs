@@ -98,6 +98,7 @@ impl Asked {
             radius_edge: self.radius_edge,
             min_dihedral: self.min_dihedral,
             smooth: self.smooth,
+            count_angles: true,
             max_points: self.max_points,
             holes: match &self.holes {
                 None => Holes::Given,

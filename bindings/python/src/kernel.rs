@@ -4,7 +4,7 @@ use crate::arrays::{Coordinates, coordinates, line, points, rows};
 use crate::failure::Failure;
 use crate::supervise::supervised;
 use ltbw::Point;
-use ltbw::quality::{Histogram, Quality, SMALL_ANGLES};
+use ltbw::quality::{Histogram, LeastAngles, Quality, SMALL_ANGLES};
 use ltbw_bindings::{Meshed, Reins, in_own_pool};
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -28,11 +28,22 @@ pub(crate) fn measures<'py>(py: Python<'py>, quality: &Quality) -> PyResult<Boun
     all.set_item("radius_edge", histogram(&quality.radius_edge)?)?;
     all.set_item("volume", histogram(&quality.volume)?)?;
     all.set_item("edge", histogram(&quality.edge)?)?;
+    all.set_item("least_dihedral", least_angles(py, &quality.least_angles)?)?;
     let jacobian = quality.scaled_jacobian;
     all.set_item("least_scaled_jacobian", (jacobian.value, jacobian.tet))?;
     let small: Vec<(f64, u64)> = SMALL_ANGLES.into_iter().zip(quality.small).collect();
     all.set_item("small_dihedral", small)?;
     Ok(all)
+}
+
+/// Tetrahedra by their smallest dihedral angle.
+fn least_angles<'py>(py: Python<'py>, angles: &LeastAngles) -> PyResult<Bound<'py, PyDict>> {
+    let entries = PyDict::new(py);
+    entries.set_item("low", 0.0)?;
+    entries.set_item("high", LeastAngles::HIGH)?;
+    entries.set_item("counts", PyList::new(py, angles.counts())?)?;
+    entries.set_item("least", angles.least())?;
+    Ok(entries)
 }
 
 /// A mesh; `ltbw.Mesh` gives its arrays their names.
@@ -151,7 +162,11 @@ impl Kernel {
     /// Histograms and extremes of dihedral angle, radius-edge ratio, volume and edge length.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let quality = self.made(py, Meshed::quality)?;
-        quality.map(|quality| measures(py, &quality)).transpose()
+        let all = quality.map(|quality| measures(py, &quality)).transpose()?;
+        let before = self.0.before_slivers();
+        let before = before.map(|before| least_angles(py, &before)).transpose()?;
+        all.iter().try_for_each(|all| all.set_item("least_dihedral_before", &before))?;
+        Ok(all)
     }
 
     /// Writes the mesh; the extension tells the format.

@@ -1,6 +1,8 @@
 """Meshes of domains: sources, bounds, sizes, and the same mesh as the program's."""
 
 import functools
+import math
+import pickle
 
 import numpy as np
 import pytest
@@ -88,6 +90,22 @@ def test_sizes_may_be_those_of_a_solution(cube):
     ):
         with pytest.raises(ltbw.InputError):
             ltbw.tetrahedralize(cube, **wrong)
+
+
+def test_angles_are_counted_before_slivers_are_split_and_after(cube):
+    mesh = ltbw.tetrahedralize(cube, max_volume=1e-3)
+    before, after = mesh.quality["least_dihedral_before"], mesh.quality["least_dihedral"]
+    assert (after["low"], after["high"], len(after["counts"])) == (0.0, 72.0, 72)
+    assert sum(after["counts"]) == len(mesh.simplices)
+    assert sum(after["counts"][:8]) == 0 < sum(before["counts"][:8])
+    assert before["least"] < 8 <= after["least"] == pytest.approx(mesh.quality["dihedral"]["least"][0])
+    # As many as there are without slivers, in a mesh with them.
+    plain = ltbw.tetrahedralize(cube, max_volume=1e-3, min_dihedral=0).quality
+    assert plain["least_dihedral_before"] is None and plain["least_dihedral"] == before
+    two = ltbw.tetrahedralize(cube, max_volume=1e-3, threads=2).quality
+    assert two["least_dihedral_before"] == before
+    assert ltbw.delaunay(mesh.points).quality["least_dihedral_before"] is None
+    assert pickle.loads(pickle.dumps(mesh)).quality == mesh.quality
 
 
 def test_vertices_inside_are_moved(cube):
@@ -196,7 +214,9 @@ def test_what_is_no_domain_is_told(cube, change, error, code):
     assert code in (None, caught.value.code), caught.value
 
 
-@pytest.mark.parametrize("wish", [{"max_volume": -1.0}, {"radius_edge": 0.5}, {"repair": -1.0}, {"flat_tolerance": -1.0}, {"simplify": -1.0}])
+@pytest.mark.parametrize("wish", [{"max_volume": -1.0}, {"radius_edge": 0.5}, {"repair": -1.0}, {"flat_tolerance": -1.0}, {"simplify": -1.0},
+                                  {"simplify": math.nan}, {"simplify": 0.09}, {"min_dihedral": 12.5}, {"min_dihedral": math.nan},
+                                  {"min_dihedral": -1.0}])
 def test_bounds_that_make_no_sense_are_told(cube, wish):
     with pytest.raises(ltbw.InputError):
         ltbw.tetrahedralize(cube, **wish)

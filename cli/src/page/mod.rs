@@ -3,9 +3,9 @@
 mod scene;
 mod timeline;
 
-use crate::picture::histograms::{self, number};
-use crate::report::Report;
-use ltbw::quality::Quality;
+use crate::picture::axes::number;
+use crate::picture::histograms;
+use crate::report::{Measured, Report};
 use scene::Encoded;
 pub(crate) use scene::Scene;
 pub(crate) use timeline::timeline;
@@ -46,20 +46,24 @@ impl Page {
     }
 
     /// The figures of a mesh that one asks for first, and the histograms of its quality.
-    pub(crate) fn mesh(self, report: &Report, verdict: &str, quality: &Quality) -> Self {
+    pub(crate) fn mesh(self, report: &Report, verdict: &str, measured: &Measured) -> Self {
+        let Measured { quality, slivers } = measured;
         let (angle, ratio) = (&quality.dihedral, &quality.radius_edge);
         let degrees = [angle.least.value, angle.largest.value].map(number);
+        let below = slivers.text(&quality.least_angles);
+        let below = below.map_or(String::new(), |text| format!("; {text}"));
         let rows = [
             ("tetrahedra", report.mesh.tets.to_string()),
             ("vertices", report.mesh.vertices.to_string()),
             ("outcome", report.outcome.to_owned()),
             ("checked", verdict.to_owned()),
-            ("dihedral angles", format!("{} to {} degrees", degrees[0], degrees[1])),
+            ("dihedral angles", format!("{} to {} degrees{below}", degrees[0], degrees[1])),
             ("circumradius / shortest edge", format!("at most {}", number(ratio.largest.value))),
             ("largest volume", number(quality.volume.largest.value)),
             ("ltbw.mesh/1", report.mesh.hash.clone().unwrap_or_default()),
         ];
-        self.facts(&rows.map(Fact::from)).section("Quality", &histograms::svg(quality))
+        let histograms = histograms::svg(quality, slivers);
+        self.facts(&rows.map(Fact::from)).section("Quality", &histograms)
     }
 
     /// A part with a heading; the contents are HTML.

@@ -1,6 +1,6 @@
 //! A curve over a few settings, as a picture with axes.
 
-use super::histograms::{number, ticks};
+use super::axes::{number, ticks};
 use std::fmt::Write as _;
 
 const WIDTH: f64 = 420.0;

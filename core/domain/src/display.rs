@@ -54,7 +54,7 @@ impl fmt::Display for Histogram {
 impl fmt::Display for Quality {
     /// A line for each quantity, with its extremes.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { tets, dihedral, radius_edge, volume, edge, scaled_jacobian, small: _ } = self;
+        let Self { tets, dihedral, radius_edge, volume, edge, scaled_jacobian, .. } = self;
         let tets =
             if *tets == 1 { "1 tetrahedron".to_owned() } else { format!("{tets} tetrahedra") };
         let least = scaled_jacobian.value;

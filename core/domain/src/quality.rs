@@ -3,6 +3,12 @@
 //!
 //! Values are rounded: they are for people. Bounds are tested exactly elsewhere.
 
+mod angles;
+
+pub use angles::LeastAngles;
+#[doc(hidden)]
+pub use angles::{Normals, sharpest};
+
 use crate::vector::{cross, dot, minus};
 use ltbw_exact::Point;
 use rayon::prelude::*;
@@ -56,6 +62,8 @@ pub struct Quality {
     pub volume: Histogram,
     /// Edge lengths, six for each tetrahedron.
     pub edge: Histogram,
+    /// Tetrahedra by their smallest dihedral angle.
+    pub least_angles: LeastAngles,
     /// The smallest scaled Jacobian.
     pub scaled_jacobian: Extreme,
     /// For each of [`SMALL_ANGLES`], the tetrahedra with a smaller dihedral angle.
@@ -286,13 +294,16 @@ impl Quality {
             radius_edge: Histogram::new("circumradius / shortest edge", 0.6, 2.1, 30),
             volume: Histogram::new("volume", 0.0, largest, 30),
             edge: Histogram::new("edge length", 0.0, edge, 30),
+            least_angles: LeastAngles::default(),
             scaled_jacobian: Extreme { value: f64::INFINITY, tet: 0 },
             small: [0; 2],
         };
         let share = |(k, list): (usize, &[[u32; 4]])| {
             let mut own = none.clone();
             for (t, tet) in (k * SHARE..).zip(list) {
-                own.add(t, &TetQuality::of(tet.map(|v| &points[v as usize])));
+                let corners = tet.map(|v| &points[v as usize]);
+                own.add(t, &TetQuality::of(corners));
+                own.least_angles.add(corners);
             }
             own
         };
@@ -315,6 +326,7 @@ impl Quality {
     fn merge(&mut self, later: &Self) {
         self.dihedral.merge(&later.dihedral);
         self.edge.merge(&later.edge);
+        self.least_angles = self.least_angles.merged(later.least_angles);
         self.radius_edge.merge(&later.radius_edge);
         self.volume.merge(&later.volume);
         self.scaled_jacobian.lower(later.scaled_jacobian);

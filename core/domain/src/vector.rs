@@ -35,3 +35,27 @@ pub fn distance2(a: &Point, b: &Point) -> f64 {
     let d = minus(a, b);
     dot(&d, &d)
 }
+
+/// Does a point come before another by x, y, z?
+fn is_before(p: &Point, q: &Point) -> bool {
+    // No branch depends on it.
+    (p[0] < q[0]) | (p[0] == q[0]) & ((p[1] < q[1]) | (p[1] == q[1]) & (p[2] < q[2]))
+}
+
+/// Points by x, y, z. There are few: each counts those before it, without a branch.
+#[inline(always)]
+pub fn sorted<const N: usize>(points: [Point; N]) -> [Point; N] {
+    let mut places = [0; N];
+    for j in 0..N {
+        for i in 0..j {
+            let first = is_before(&points[j], &points[i]);
+            places[i] += usize::from(first);
+            places[j] += usize::from(!first);
+        }
+    }
+    let mut sorted = points;
+    for (place, point) in places.into_iter().zip(points) {
+        sorted[place] = point;
+    }
+    sorted
+}

@@ -1,6 +1,7 @@
 //! The outcome of a refinement.
 
 use ltbw_core::topology::TetId;
+use ltbw_domain::quality::LeastAngles;
 use ltbw_exact::Point;
 use ltbw_exact::points::{ascending, of_ascending};
 
@@ -210,6 +211,10 @@ pub struct RefineStats {
     pub joint_phases: u64,
     /// The degrees below which dihedral angles make slivers; 0 if none do.
     pub min_dihedral: f64,
+    /// The tetrahedra of the domain by their smallest dihedral angle when all other bounds were met
+    /// and slivers were looked for first, if [`count_angles`](crate::Refiner::count_angles) asked
+    /// for it. In the end they are those of [`ltbw_domain::quality::Quality::least_angles`].
+    pub before_slivers: Option<LeastAngles>,
     /// The distance within which facets were taken for coplanar: as asked for, or 0.
     pub flat_tolerance: f64,
     /// Sets of facets that are coplanar within it, but not exactly.

@@ -72,6 +72,7 @@ pub struct Refiner<'a> {
     joint_most: usize,
     one_thread: bool,
     smooth: u32,
+    count_angles: bool,
 }
 
 impl std::fmt::Debug for Refiner<'_> {
@@ -107,6 +108,7 @@ impl Default for Refiner<'_> {
             joint_most: usize::MAX,
             one_thread: false,
             smooth: 0,
+            count_angles: false,
         }
     }
 }
@@ -142,6 +144,13 @@ impl<'a> Refiner<'a> {
     /// none.
     pub fn smooth(mut self, sweeps: u32) -> Self {
         self.smooth = sweeps;
+        self
+    }
+
+    /// Counts tetrahedra by their smallest dihedral angle before slivers are split:
+    /// [`RefineStats::before_slivers`], which takes a look at all. The mesh is the same.
+    pub fn count_angles(mut self) -> Self {
+        self.count_angles = true;
         self
     }
 

@@ -1,5 +1,6 @@
 //! The tests of the crate: one program, a module a subject.
 
+mod angles;
 mod given_points;
 mod regions;
 mod resume;

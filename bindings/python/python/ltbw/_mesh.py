@@ -277,7 +277,20 @@ class Mesh(ScipyNames):
     def quality(self):
         """Histograms of ``dihedral`` (degrees), ``radius_edge``, ``volume``, ``edge``: each a dict with
         ``low, high, counts`` and ``least, largest`` as (value, tetrahedron); ``least_scaled_jacobian``,
-        a pair, too; ``small_dihedral``: the tetrahedra below 1 and 5 degrees, as (angle, count)."""
+        a pair, too; ``small_dihedral``: the tetrahedra below 1 and 5 degrees, as (angle, count).
+        ``least_dihedral``: the tetrahedra by their smallest dihedral angle, a dict with ``low, high,
+        counts`` (by whole degrees) and ``least``; ``least_dihedral_before`` is the same before
+        slivers were split, of a domain, or None.
+
+        >>> import ltbw
+        >>> cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        >>> faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+        >>> quality = ltbw.tetrahedralize((cube, faces), max_volume=1e-3).quality
+        >>> sum(quality["least_dihedral"]["counts"][:8])
+        0
+        >>> sum(quality["least_dihedral_before"]["counts"][:8]) > 0
+        True
+        """
         return self._kernel.quality()
 
     def find_simplex(self, xi):

@@ -5,6 +5,7 @@
 //! have a negative product. Bounds are decided exactly; which of several points is the best one, by
 //! rounded angles.
 
+use ltbw_domain::quality::Normals;
 use ltbw_domain::vector::{cross, dot, minus};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::dihedral::has_dihedral_below;
@@ -57,11 +58,11 @@ impl DihedralBound {
         !self.is_surely_met(corners) && self.sharpest_if_met(corners).is_none()
     }
 
-    /// What [`sharpest`] tells, if no dihedral angle of a tetrahedron is below the bound.
+    /// What [`Normals::sharpest`] tells, if no dihedral angle of a tetrahedron is below the bound.
     pub(crate) fn sharpest_if_met(&self, corners: [&Point; 4]) -> Option<f64> {
         let normals = Normals::of(corners);
         let sharpest = normals.sharpest();
-        let is_surely_met = sharpest < self.cos2 - MARGIN && normals.are_sure();
+        let is_surely_met = sharpest < self.cos2 - Normals::MARGIN && normals.are_sure();
         (is_surely_met || !has_dihedral_below(corners, self.cos2)).then_some(sharpest)
     }
 
@@ -80,66 +81,6 @@ impl DihedralBound {
             edges[1..].iter().fold((edges[0], edges[0]), |(x, y), &e| (x.min(e), y.max(e)));
         let det = dot(&a, &cross(&b, &c));
         det * det * least > self.thick * (most * most) * (most * most)
-    }
-}
-
-/// The square of the cosine of a tetrahedron's smallest dihedral angle, rounded; 0 if none is
-/// acute. Either orientation.
-pub(crate) fn sharpest(corners: [&Point; 4]) -> f64 {
-    Normals::of(corners).sharpest()
-}
-
-/// The normals of the faces of a tetrahedron, all outward or all inward, rounded.
-struct Normals {
-    all: [Point; 4],
-    /// Their squares.
-    squares: [f64; 4],
-    /// The square of the longest edge at the last corner: no edge is longer than two of these.
-    longest: f64,
-}
-
-/// The error of a squared cosine is smaller where normals are sure.
-const MARGIN: f64 = 1.0 / (1u64 << 24) as f64;
-
-/// The pairs of faces.
-const PAIRS: [[usize; 2]; 6] = [[1, 0], [2, 0], [2, 1], [3, 0], [3, 1], [3, 2]];
-
-impl Normals {
-    #[inline(always)]
-    fn of([p, q, r, s]: [&Point; 4]) -> Self {
-        let edges = [minus(p, s), minus(q, s), minus(r, s)];
-        let [a, b, c] = &edges;
-        let sides = [cross(b, c), cross(c, a), cross(a, b)];
-        let last = [0, 1, 2].map(|k| -(sides[0][k] + sides[1][k] + sides[2][k]));
-        let all = [sides[0], sides[1], sides[2], last];
-        let squares = all.map(|n| dot(&n, &n));
-        let longest = edges.iter().map(|e| dot(e, e)).fold(0.0, f64::max);
-        Self { all, squares, longest }
-    }
-
-    /// The square of the cosine of the smallest angle between two of the faces.
-    #[inline(always)]
-    fn sharpest(&self) -> f64 {
-        let Self { all, squares, .. } = self;
-        PAIRS.iter().fold(0.0, |most, &[i, j]| {
-            let product = dot(&all[i], &all[j]);
-            match product < 0.0 {
-                true => f64::max(most, product * product / (squares[i] * squares[j])),
-                false => most,
-            }
-        })
-    }
-
-    /// Has each squared cosine an error below [`MARGIN`]?
-    ///
-    /// With u = 2^-53 and the longest edge L, a normal has an error below 32u L². Where all are
-    /// longer than 2^-18 L² that is at most 2^-30 of each, so that a squared cosine has an error
-    /// below 2^-26, if nothing is too large or too small.
-    fn are_sure(&self) -> bool {
-        const LEAST: f64 = 16.0 / (1u64 << 36) as f64;
-        let Self { squares, longest, .. } = self;
-        let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
-        least > LEAST * (longest * longest) && least > 1e-120 && *longest < 1e60
     }
 }
 
@@ -204,8 +145,6 @@ mod tests {
         let regular = [[0.0, 0.0, 0.0], [2.0, 2.0, 0.0], [2.0, 0.0, 2.0], [0.0, 2.0, 2.0]];
         let bound = DihedralBound::new(8.0);
         assert!(bound.is_surely_met(regular.each_ref()));
-        // Its angles have a cosine of 1/3.
-        assert!((sharpest(regular.each_ref()) - 1.0 / 9.0).abs() < 1e-15);
         // The corner of a cube: 54.7 degrees.
         let corner = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert!(bound.is_surely_met(corner.each_ref()));

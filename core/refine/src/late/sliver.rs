@@ -9,8 +9,9 @@ use crate::outcome::{Reason, Sliver};
 use crate::queue::split::Refinement;
 use crate::rules::sliver::is_open_sliver;
 use crate::thin::Thin;
-use ltbw_core::topology::{TetId, VertexId};
-use ltbw_domain::quality::TetQuality;
+use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId};
+use ltbw_domain::quality::{LeastAngles, TetQuality};
+use rayon::prelude::*;
 
 impl Refinement<'_> {
     /// The slivers that a point may serve, in the order of their coordinates: none in a collar,
@@ -55,6 +56,23 @@ impl State {
     /// the same.
     pub(crate) fn least_angle(&self, v: [VertexId; 4]) -> f64 {
         TetQuality::of(sorted(v.map(|v| self.at(v))).each_ref()).least_dihedral()
+    }
+
+    /// The tetrahedra of the domain by their smallest dihedral angle, counted by some threads.
+    pub(crate) fn least_angles(&self, threads: usize) -> LeastAngles {
+        let add = |mut sum: LeastAngles, (t, tet): (TetId, &Tet)| {
+            let v = tet.vertices();
+            if v[3] != INFINITE && self.marks.region(t) != 0 {
+                sum.add(v.map(|v| self.at(v)).each_ref());
+            }
+            sum
+        };
+        let all = self.mesh.topology();
+        let none = LeastAngles::default;
+        match threads > 1 {
+            true => all.par_iter().fold(none, add).reduce(none, LeastAngles::merged),
+            false => all.iter().fold(none(), add),
+        }
     }
 
     /// Is a tetrahedron in a region, and has it a dihedral angle below the bound?

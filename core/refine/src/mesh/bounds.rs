@@ -106,6 +106,8 @@ pub(crate) struct Bounds<'a> {
     pub(crate) ratio: Option<RatioBound>,
     /// The angle below which a tetrahedron is a sliver; none without a bound of shape.
     pub(crate) dihedral: Option<DihedralBound>,
+    /// Are angles to be counted before slivers are split?
+    pub(crate) count_angles: bool,
     /// The bound of every region; that of the exterior is not used.
     pub(crate) volumes: Vec<Option<VolumeBound>>,
     pub(crate) field: Option<&'a SizeField<'a>>,

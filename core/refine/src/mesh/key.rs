@@ -7,6 +7,7 @@ use crate::complex::measure::{Shape, circumcircle};
 use crate::outcome::Spot;
 use ltbw_core::topology::VertexId;
 use ltbw_domain::vector::distance2;
+pub(crate) use ltbw_domain::vector::sorted;
 use ltbw_exact::Point;
 use std::cmp::Reverse;
 
@@ -16,30 +17,6 @@ pub(crate) type OrderKey = [i64; 3];
 /// The place of a point in the order by x, y, z.
 pub(crate) fn order_key(p: &Point) -> OrderKey {
     p.map(|c| c as i64)
-}
-
-/// Does a point come before another by x, y, z?
-fn is_before(p: &Point, q: &Point) -> bool {
-    // No branch depends on it.
-    (p[0] < q[0]) | (p[0] == q[0]) & ((p[1] < q[1]) | (p[1] == q[1]) & (p[2] < q[2]))
-}
-
-/// Points by x, y, z. There are few: each counts those before it, without a branch.
-#[inline(always)]
-pub(crate) fn sorted<const N: usize>(points: [Point; N]) -> [Point; N] {
-    let mut places = [0; N];
-    for j in 0..N {
-        for i in 0..j {
-            let first = is_before(&points[j], &points[i]);
-            places[i] += usize::from(first);
-            places[j] += usize::from(!first);
-        }
-    }
-    let mut sorted = points;
-    for (place, point) in places.into_iter().zip(points) {
-        sorted[place] = point;
-    }
-    sorted
 }
 
 /// The lowest bit of the size in a key.

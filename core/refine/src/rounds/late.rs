@@ -96,7 +96,7 @@ impl Rounds<'_, '_> {
             let is_asked = match step {
                 Step::Retry => self.retry(),
                 Step::Insist => self.insist(),
-                Step::Slivers if self.has_slivers() => {
+                Step::Slivers if self.has_slivers_first() => {
                     return Some(Next::Round(Class::Slivers));
                 }
                 Step::Slivers => {
@@ -131,6 +131,15 @@ impl Rounds<'_, '_> {
             }
         }
         None
+    }
+
+    /// Is any sliver left? When they are looked for first, angles are counted.
+    fn has_slivers_first(&mut self) -> bool {
+        let is_asked = self.own.bounds.as_ref().is_some_and(|own| own.count_angles);
+        if is_asked && self.terms().is_some() && self.stats.before_slivers.is_none() {
+            self.stats.before_slivers = Some(self.own.state.least_angles(self.threads));
+        }
+        self.has_slivers()
     }
 
     /// The terms on which a point is taken for a sliver; `None` if slivers are not looked for.

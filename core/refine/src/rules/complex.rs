@@ -154,6 +154,11 @@ impl<'a> Complex<'a> {
         self.angles.matter()
     }
 
+    /// Are angles to be counted before slivers are split?
+    pub fn counts_angles(&self) -> bool {
+        self.bounds.count_angles
+    }
+
     /// Is splitting a tetrahedron of a region no help, which is over its bounds?
     pub fn is_beyond_help(&self, corners: [Corner; 4], region: u32) -> bool {
         if self.angles.is_empty() {

@@ -29,6 +29,7 @@ impl<'a> Refiner<'a> {
         Bounds {
             ratio: self.radius_edge.map(RatioBound::new),
             dihedral: self.dihedral(),
+            count_angles: self.count_angles,
             volumes: regions.iter().map(volume).collect(),
             field: self.field,
             edge: self.max_edge.map(|length| EdgeBound::new(length / step)),

@@ -64,6 +64,7 @@ impl<C: Rules> Rounds<C> {
             refused_tets: self.keys.refused(mesh),
             candidates: usize::try_from(self.budget.counted).unwrap_or(0),
             thin: self.keys.thin(mesh),
+            before_slivers: self.slivers.before,
             slivers: self.slivers.into_left(mesh),
             blocks,
             ending: self.ending,

@@ -93,6 +93,7 @@ use crate::protocol::{BlockId, Config, Correct, Rules, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use crate::threads::{Parallel, WorkerStats};
 use ltbw_core::topology::TetId;
+use ltbw_domain::quality::LeastAngles;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_refine::{
     Asked, Block, Complex, ComplexError, Delegated, Handed, ItemPlace, RefineStats, Refined,
@@ -179,6 +180,8 @@ struct Left {
     thin: Vec<TetId>,
     /// If rounds of slivers have begun, those of its tetrahedra that are still to be looked at.
     slivers: Option<Vec<TetId>>,
+    /// If so and asked, its tetrahedra before by their smallest dihedral angle.
+    before_slivers: Option<LeastAngles>,
     /// The blocks, which all keep.
     blocks: Vec<Block>,
     ending: Option<Ending>,
@@ -359,6 +362,12 @@ fn left_by<C: Rules>(worker: RoundNode<'_, C>) -> (Part, Left) {
     (Part::of(mesh), left)
 }
 
+/// The tetrahedra of all workers by their smallest dihedral angle, if they have begun with slivers
+/// and were asked.
+fn counted(mut all: impl Iterator<Item = Option<LeastAngles>>) -> Option<LeastAngles> {
+    all.try_fold(LeastAngles::default(), |sum, own| Some(sum.merged(own?)))
+}
+
 /// Puts together what workers leave; `before` are the figures when they began, `figures` all.
 fn join(
     all: Vec<(Part, Left)>,
@@ -370,6 +379,7 @@ fn join(
     let (mut refused, mut all_tets, mut all_slivers) = (Vec::new(), Vec::new(), Some(Vec::new()));
     let (mut ending, mut candidates, mut blocks) = (Ending::Done, 0, Vec::new());
     let (begin, mut told) = (*figures, Vec::new());
+    let before_slivers = counted(all.iter().map(|(_, left)| left.before_slivers));
     for (part, left) in all {
         all_thin.push(left.thin);
         // All have begun with slivers, or none.
@@ -392,7 +402,8 @@ fn join(
     }
     *figures = RoundFigures::summed(&told, begin);
     let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
-    let stats = figures.after(&begin, before);
+    let before_slivers = before.before_slivers.or(before_slivers);
+    let stats = RefineStats { before_slivers, ..figures.after(&begin, before) };
     let tets = firsts.iter().zip(all_tets).flat_map(|(first, own)| {
         own.into_iter().map(move |(t, why)| (TetId::at(first + t.index()), why))
     });

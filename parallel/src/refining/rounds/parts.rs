@@ -1,7 +1,7 @@
 //! The end of rounds at which nothing is left that takes the whole mesh: each member of a team
 //! keeps its part, under the numbers and in the orders of the whole.
 
-use super::{Ending, Left, RoundFigures};
+use super::{Ending, Left, RoundFigures, counted};
 use crate::distributed::{Part, Side, Unnumbered, first_of_two, number};
 use crate::refining::domain::DomainMesh;
 use crate::team::{Post, Team, TeamError};
@@ -9,6 +9,7 @@ use crate::threads::WorkerStats;
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_core::{BoundaryFace, PredicateStats, Vertex};
+use ltbw_domain::quality::LeastAngles;
 use ltbw_exact::{Mode, Point};
 use ltbw_refine::{
     Carrier, Delegated, Reason, RefineStats, RegionInfo, Start, from_smallest, in_order,
@@ -117,6 +118,7 @@ struct Made {
     hull_faces: u64,
     figures: RoundFigures,
     slivers: Vec<SliverThere>,
+    before_slivers: Option<LeastAngles>,
 }
 
 impl Ended<'_, '_> {
@@ -195,6 +197,7 @@ impl Ended<'_, '_> {
             hull_faces: tets.tets().filter(|(_, v)| v[3] == INFINITE).count() as u64,
             figures: self.left.figures,
             slivers: self.slivers(&of, own.fine_step),
+            before_slivers: self.left.before_slivers,
         };
         let all: Vec<Made> = team.gather_all(&made)?;
         let told: Vec<RoundFigures> = all.iter().map(|made| made.figures).collect();
@@ -202,7 +205,10 @@ impl Ended<'_, '_> {
         figures.ended += 1;
         let rounds = figures.after(&own.begin, delegated.stats());
         // The first one may have carried out some alone.
-        let stats = delegated.stats_with(rounds, counts);
+        let own = delegated.stats_with(rounds, counts);
+        let before_slivers = counted(all.iter().map(|made| made.before_slivers));
+        let before_slivers = own.before_slivers.or(before_slivers);
+        let stats = RefineStats { before_slivers, ..own };
         let stats = team.tell_value(team.is_first().then_some(stats))?;
         let mut whole = RefinedWhole {
             vertices: counts.iter().fold(u64::from(given), |sum, own| sum.saturating_add(*own)),

@@ -18,7 +18,8 @@ use super::way::{Entry, WayEnd, walk_way};
 use crate::protocol::{Directory, Rules, Walk};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{PartEnd, bits, point};
-use ltbw_core::topology::TetId;
+use ltbw_core::topology::{INFINITE, TetId};
+use ltbw_domain::quality::LeastAngles;
 use ltbw_refine::{
     BoundaryItem, Carrier, Collected, Rank, RankLead, SliverRuling, Tries, Try, Watch, middle,
 };
@@ -29,6 +30,18 @@ fn barrier(end: PartEnd) -> Option<BoundaryItem> {
         PartEnd::Blocked(item) => Some(item.item()),
         PartEnd::Found | PartEnd::Outside | PartEnd::Vertex => None,
     }
+}
+
+/// The tetrahedra of a worker that are of the domain, by their smallest dihedral angle.
+fn least_angles(mesh: &DomainMesh<'_>) -> LeastAngles {
+    let (tets, mut sum) = (mesh.inner.tets(), LeastAngles::default());
+    for (t, _) in tets.tets() {
+        let v = tets.vertices(t);
+        if mesh.region(t) != 0 && !v.contains(&INFINITE) {
+            sum.add(v.map(|v| mesh.point(v)).each_ref());
+        }
+    }
+    sum
 }
 
 impl<C: Rules> Rounds<C> {
@@ -44,6 +57,7 @@ impl<C: Rules> Rounds<C> {
         let is_sliver =
             |&(t, v): &Own| mesh.complex.is_sliver(v.map(|v| mesh.corner(v)), mesh.region(t));
         self.slivers.list = Some(all.filter(is_sliver).collect());
+        self.slivers.before = mesh.complex.counts_angles().then(|| least_angles(mesh));
         self.choose_slivers(mesh);
     }
 
@@ -55,7 +69,7 @@ impl<C: Rules> Rounds<C> {
         self.choice.has_boundary = false;
         (self.choice.foremost, self.choice.entered, self.choice.fates) = (None, None, None);
         mesh.begin_round();
-        let Slivers { list, all, served } = &mut self.slivers;
+        let Slivers { list, all, served, .. } = &mut self.slivers;
         served.clear();
         let own = list.iter().flatten().copied().filter(|&own| mesh.has(own));
         let begin = |own: Own| {

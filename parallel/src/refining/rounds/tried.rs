@@ -4,6 +4,7 @@ use super::ranked::Own;
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::Bits;
 use ltbw_core::topology::TetId;
+use ltbw_domain::quality::LeastAngles;
 use ltbw_refine::{BoundaryItem, Carrier, Filled, OnBoundary, Tries};
 
 /// The thing that is tried for a sliver.
@@ -45,6 +46,8 @@ pub(super) struct Best {
 pub(super) struct Slivers {
     /// The slivers to be looked at, if all bounds are met.
     pub(super) list: Option<Vec<Own>>,
+    /// Its tetrahedra by their smallest dihedral angle when slivers were looked for, if asked.
+    pub(super) before: Option<LeastAngles>,
     /// The slivers of this round.
     pub(super) all: Vec<Sliver>,
     /// The slivers among them that a point serves: if others are in its way they are looked at
