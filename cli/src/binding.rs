@@ -40,6 +40,8 @@ pub(crate) enum Role {
     Without,
     /// Points that are to be vertices of a domain's mesh.
     Points,
+    /// The domain of a mesh that is gone on with.
+    Domain,
     /// Numbers of tetrahedra that are to be split.
     Mark,
     /// Edge lengths.

@@ -55,12 +55,14 @@ pub(crate) enum Failure {
         error: PrepareError,
     },
     /// The mesh cannot be gone on with.
-    #[error("{}: {error}", show(path))]
+    #[error("{}: {error}{help}", show(path))]
     Mesh {
         /// The input file.
         path: PathBuf,
         /// Why.
         error: SkinError,
+        /// The option that helps, in words, if one does.
+        help: &'static str,
     },
     /// A report that certifies nothing.
     #[error("{}: {why}", show(path))]
@@ -172,6 +174,9 @@ impl Failure {
                     | PrepareError::Simplify { .. }
                     | PrepareError::SimplifyPoints { .. },
                 ..
+            }
+            | Failure::Mesh {
+                error: SkinError::Boundary(PrepareError::Tolerance { .. }), ..
             } => Exit::Usage,
             Failure::Read(_)
             | Failure::Points { .. }

@@ -12,7 +12,7 @@ use crate::sizes::{Field, field};
 use crate::streams::{Formats, Source};
 use crate::surface::given;
 use ltbw::TetMesh;
-use ltbw::domain::Skin;
+use ltbw::domain::{Skin, SkinError};
 use ltbw::io::{self, DomainFile};
 use ltbw::refine::Marked;
 use std::path::PathBuf;
@@ -21,6 +21,10 @@ use std::path::PathBuf;
 pub(crate) fn refine(args: &Refine, others: Others<'_>) -> Result<Exit, Failure> {
     if args.plc.is_none() && args.mesh.preparation.points.is_some() {
         let text = "--points: the vertices of the mesh are given; more are taken with --plc alone";
+        return Err(Failure::Usage(text.to_owned()));
+    }
+    if args.mesh.preparation.simplify.is_some() {
+        let text = "--simplify: the vertices of the mesh are kept, those of its boundary too";
         return Err(Failure::Usage(text.to_owned()));
     }
     mesh_from(&args.mesh, others, Some(args))
@@ -40,7 +44,13 @@ impl Refine {
         let file = source.noted_mesh()?;
         let name = source.show();
         file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
-        let failed = |error| Failure::Mesh { path: source.name.clone(), error };
+        let failed = |error| {
+            let help = match error {
+                SkinError::NotDelaunay { .. } => "; --delaunay takes its vertices and boundary",
+                _ => "",
+            };
+            Failure::Mesh { path: source.name.clone(), error, help }
+        };
         let skin = Skin::of(&file.mesh).map_err(failed)?;
         if !self.delaunay {
             let _stage = Stage::begin("check");
@@ -55,7 +65,7 @@ impl Refine {
                 let (mut ready, flat) = preparation.prepare_file(own, &domain)?;
                 skin.give_inner(&mut ready);
                 let reads = domain.reads().list();
-                reads.into_iter().for_each(|read| source.reads().take(Role::Companion, read));
+                reads.into_iter().for_each(|read| source.reads().take(Role::Domain, read));
                 (ready, flat)
             }
             None => {

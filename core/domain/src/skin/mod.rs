@@ -152,7 +152,7 @@ fn exterior(mesh: &TetMesh) -> Vec<bool> {
 
 impl<'m> Skin<'m> {
     /// Finds the boundary: the triangles of one tetrahedron, those between different tags, and
-    /// those that the mesh lists.
+    /// those that the mesh lists; of a list of all triangles, those with a marker other than 0.
     ///
     /// # Errors
     /// [`SkinError`]: no tetrahedra, or such as are no mesh.
@@ -209,6 +209,9 @@ impl<'m> Skin<'m> {
             sides.extend((0..4).map(side));
         }
         sides.sort_unstable();
+        // Some programs list every triangle there is (TetGen's option `-f`, its `.mesh` files).
+        let is_listed = |own: &[([u32; 3], u32, u8)]| listed.contains_key(&own[0].0);
+        let lists_all = sides.chunk_by(|one, other| one.0 == other.0).all(is_listed);
         let tag = |t: u32| mesh.tet_tags.as_ref()?.get(self.numbers[t as usize]).copied();
         for own in sides.chunk_by(|one, other| one.0 == other.0) {
             let (key, t, k) = own[0];
@@ -224,7 +227,8 @@ impl<'m> Skin<'m> {
                 }
                 self.neighbours[t as usize][usize::from(k)] = u;
                 self.neighbours[u as usize][usize::from(l)] = t;
-                is_wall = tag(t) != tag(u) || listed.contains_key(&key);
+                let is_told = |marker: &i64| *marker != 0 || !lists_all;
+                is_wall = tag(t) != tag(u) || listed.get(&key).is_some_and(is_told);
             }
             if is_wall {
                 let marker = listed.get(&key).copied().unwrap_or(0);
