@@ -3,16 +3,27 @@
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_refine::{Corner, NOWHERE, Surveyed};
+use rustc_hash::FxHashSet;
 use std::collections::BTreeSet;
+
+/// Tetrahedra that are looked through as fast as looked up.
+const FEW: usize = 48;
 
 /// A cavity, and the tetrahedra around it.
 #[derive(Debug)]
 pub(super) struct Here<'m, 'c> {
     pub(super) mesh: &'m DomainMesh<'c>,
     pub(super) cavity: &'m [TetId],
+    /// The tetrahedra of a large cavity: at flat surfaces there are thousands.
+    known: Option<FxHashSet<TetId>>,
 }
 
-impl Here<'_, '_> {
+impl<'m, 'c> Here<'m, 'c> {
+    pub(super) fn of(mesh: &'m DomainMesh<'c>, cavity: &'m [TetId]) -> Self {
+        let known = (cavity.len() > FEW).then(|| cavity.iter().copied().collect());
+        Self { mesh, cavity, known }
+    }
+
     /// The closure, each tetrahedron once, and whether it is in conflict.
     pub(super) fn listed(&self) -> Vec<(TetId, bool)> {
         let around = self.cavity.iter().flat_map(|&t| self.mesh.inner.tets().neighbours(t));
@@ -30,7 +41,10 @@ impl Surveyed for Here<'_, '_> {
     }
 
     fn is_in(&self, t: TetId) -> bool {
-        self.cavity.contains(&t)
+        match &self.known {
+            None => self.cavity.contains(&t),
+            Some(known) => known.contains(&t),
+        }
     }
 
     fn vertices(&self, t: TetId) -> [u32; 4] {

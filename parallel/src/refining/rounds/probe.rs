@@ -344,7 +344,7 @@ impl<C: Rules> Rounds<C> {
     /// The verdict on a probe whose closure is all here, and what makes it wait then.
     fn rule_here(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
         let (id, probe) = (self.id(k), &self.choice.probes[k as usize]);
-        let here = Here { mesh, cavity: self.served.cavity_at(&self.served.inside(id)) };
+        let here = Here::of(mesh, self.served.cavity_at(&self.served.inside(id)));
         let past = self.past(&probe.what);
         let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &here), &past);
         debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref(), &past));

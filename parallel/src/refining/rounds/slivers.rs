@@ -180,7 +180,7 @@ impl<C: Rules> Rounds<C> {
         cavity: &[TetId],
     ) -> SliverRuling {
         let (probe, sliver) = (&self.choice.probes[k as usize], &self.slivers.all[n]);
-        let here = Here { mesh, cavity };
+        let here = Here::of(mesh, cavity);
         let has_sliver = cavity.contains(&sliver.own.0);
         probe.survey(mesh, &here).rule_on_sliver(sliver.on(), has_sliver)
     }
