@@ -8,6 +8,7 @@ mod home;
 mod limit;
 mod ownership;
 mod refining_angles;
+mod refining_circles;
 mod refining_domains;
 mod refining_given;
 mod refining_patches;

@@ -160,8 +160,8 @@ fn a_surface_with_patches_on_teams_has_the_engines_mesh() {
     }
 }
 
-/// Items that wait for each other are split by the first member, and all go on from there, also if
-/// one cannot be split.
+/// Items that wait for each other are split by the first member, which is lent what lies around,
+/// also if one cannot be split.
 #[test]
 fn circles_are_split_by_the_first_member() {
     let cases: [([f64; 2], &[u32]); 2] =
@@ -176,7 +176,7 @@ fn circles_are_split_by_the_first_member() {
             let refiner = Refiner::new().max_volume(volume / parts).start(0);
             let refiner = most.map_or(refiner, |most| refiner.joint_most(most));
             let rounds = on_teams(&format!("{layers:?}, {parts}, {most:?}"), &refiner, &ready);
-            let gone_on = rounds.iter().filter(|own| own.figures.ended > 1).count();
+            let gone_on = rounds.iter().filter(|own| own.figures.parted > 0).count();
             again += gone_on;
             cut_short += if most.is_some() { gone_on } else { 0 };
         }

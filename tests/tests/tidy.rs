@@ -37,7 +37,7 @@ const LONG_FILES: &[&str] = &["core/exact/src/predicates/filter/generated.rs"];
 /// whoever ports the protocol. Folders, the file that neither reads, the number.
 const SIZES: &[(&[&str], &str, usize)] = &[
     (&["core/exact", "core/kernel"], "core/exact/src/predicates/dihedral.rs", 8_400),
-    (&["parallel/src/protocol"], "parallel/src/protocol/variants.rs", 1_845),
+    (&["parallel/src/protocol"], "parallel/src/protocol/variants.rs", 1_846),
 ];
 
 /// Functions whose parameters Python's callers name: they may have more than others.

@@ -105,7 +105,10 @@ pub use rules::watch::Watch;
 pub use rules::way::{Across, Heading, Stop, View, Way, middle, walk};
 pub use run::Refiner;
 #[doc(hidden)]
-pub use run::{Asked, Delegated, Handed, Remaining};
+pub use run::{
+    Asked, Delegated, Handed, Labelled, Lent, LentTet, Parted, PartedPoint, Parting, Remaining,
+    Waits, circles_among,
+};
 pub use sizes::{Sizes, SizesError};
 #[doc(hidden)]
 pub use thin::{Thin, ThinTets};

@@ -2,11 +2,15 @@
 
 mod bounds;
 mod budget;
+mod circles;
 mod complex;
 mod delegated;
+mod entered;
 mod finish;
 mod recovered;
 
+#[doc(hidden)]
+pub use circles::{Labelled, Lent, LentTet, Parted, PartedPoint, Parting, Waits, circles_among};
 #[doc(hidden)]
 pub use delegated::{Asked, Delegated, Handed, Remaining};
 

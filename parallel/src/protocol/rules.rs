@@ -88,6 +88,10 @@ rules! {
     fn shares_blocks;
     /// R33: before the next round all know beside which blocks tetrahedra are gone.
     fn forgets_blocks;
+    /// R34: a worker lends all of its tetrahedra at each vertex asked for, around circles.
+    fn lends_stars;
+    /// R35: tetrahedra that circles make get the regions that the conductor tells.
+    fn labels_circles;
 }
 
 /// The protocol as it ships.

@@ -87,6 +87,7 @@ fn refine<'a, C: Rules, R>(
         refused,
         refused_tets,
         candidates,
+        spent: 0,
         thin,
         slivers,
         blocks: Vec::new(),

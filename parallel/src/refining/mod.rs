@@ -13,8 +13,8 @@ pub use domain::{
 };
 pub use freely::{SimulatedDomain, ThreadedDomain, domain_on_threads, simulate_domain};
 pub use news::{
-    DomainNews, Entrant, Fate, KeysTold, Owned, PartEnd, ProbeId, Proposal, Report, Reported, Sums,
-    WireClosure, WireCorner, WireItem,
+    Ball, DomainNews, Entrant, Fate, KeysTold, Owned, PartEnd, ProbeId, Proposal, Report, Reported,
+    Sums, WireAsked, WireClosure, WireCorner, WireItem, WireLent, WirePart, WireParted, WirePoint,
 };
 #[cfg(feature = "wire")]
 pub use rounds::{

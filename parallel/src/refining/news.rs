@@ -2,8 +2,10 @@
 //! about boundary items that are split.
 
 mod kinds;
+mod lent;
 
 pub(crate) use kinds::NEWS_KINDS;
+pub use lent::{Ball, WireAsked, WireLent, WirePart, WireParted, WirePoint};
 
 use crate::mesh::VertexName;
 use crate::protocol::{Handle, Name, WorkerId};
@@ -339,6 +341,14 @@ pub enum DomainNews {
     Report(Report),
     /// The fates of all the receiver's candidates, from the conductor.
     Fates(Vec<Fate>),
+    /// The items that the sender keeps, all of which wait, to the conductor.
+    Waiting(Vec<WireAsked>),
+    /// The conductor is to be lent all tetrahedra at vertices in these.
+    Lend(Vec<Ball>),
+    /// These are lent, to the conductor.
+    Lent(WirePart),
+    /// The outcome of the circles, from the conductor; nothing if it could not split them.
+    Parted(Option<Box<WireParted>>),
     /// The rivals in the sender's part of a closure, in the order in which it has told of it.
     Rivals {
         /// The number of the probe.
@@ -426,6 +436,10 @@ impl DomainNews {
             Self::Launch(all) => 4 + 4 * all.len() as u64,
             Self::Report(report) => report.bytes(),
             Self::Fates(all) => 4 + all.len() as u64,
+            Self::Waiting(all) => lent::asked_bytes(all),
+            Self::Lend(all) => lent::balls_bytes(all),
+            Self::Lent(part) => part.bytes(),
+            Self::Parted(parted) => 1 + parted.as_ref().map_or(0, |own| own.bytes()),
             Self::Rivals { rivals, .. } => 8 + rivals.len() as u64 / 2,
             Self::Ask { item, waiter, .. } => item_bytes(item) + 18 + waiter.map_or(1, |_| PLACE),
             Self::Gone(_) | Self::Release(_) => PLACE,

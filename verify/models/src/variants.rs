@@ -141,4 +141,8 @@ variants! {
     R32 shares_blocks: OwnBlocks, "blocks not told";
     /// Tetrahedra are refused for a subface that bars them no more.
     R33 forgets_blocks: LastingBlock, "blocks that are gone stay";
+    /// A vertex has tetrahedra that the conductor does not know of.
+    R34 lends_stars: StingyLender, "lent what lies in the balls alone";
+    /// Regions have leaked where the boundary was not complete in between.
+    R35 labels_circles: LeakyCircle, "regions inherited in circles";
 }

@@ -24,7 +24,7 @@ impl Refinement<'_> {
         }
         thin.retain(|&(t, v)| state.is_live(t, v));
         let is_open = |t: TetId, v| {
-            let whole = (&state.plc, &state.angles);
+            let whole = (&*state.plc, &*state.angles);
             is_open_sliver(whole, bounds, &state.cornered(v), state.marks.region(t))
         };
         let mut slivers: Vec<Thin> = thin.iter().copied().filter(|&(t, v)| is_open(t, v)).collect();

@@ -12,6 +12,7 @@
 //! | `tiles` | where a patch is in the mesh |
 //! | `region` | inside, outside, regions |
 //! | `bounds`, `limit` | what is over its bounds; how short edges may be |
+//! | `window` | the mesh of a part of the vertices |
 //! | `key`, `number` | orders by coordinates alone; numbers that are functions of the mesh |
 
 pub(crate) mod bounds;
@@ -28,3 +29,4 @@ pub(crate) mod region;
 pub(crate) mod state;
 pub(crate) mod survey;
 pub(crate) mod tiles;
+pub(crate) mod window;

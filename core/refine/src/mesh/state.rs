@@ -9,6 +9,7 @@ use super::item::{Item, Queues, has_corner};
 use super::journal::Journal;
 use super::marks::Marks;
 use super::survey::Survey;
+use super::window::Window;
 use crate::RefineError;
 use crate::complex::angles::Angles;
 use crate::complex::carrier::Carrier;
@@ -16,12 +17,13 @@ use crate::complex::measure::circumcircle;
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
 use crate::table::{Map, Set, sides};
-use ltbw_core::cavity::Cavity;
+use ltbw_core::cavity::{Cavity, Setback};
 use ltbw_core::mesh::{At, Mesh};
-use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_core::transaction::{OpenCavity, Opens};
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
+use std::sync::Arc;
 
 /// Vertices of the face opposite each slot.
 pub(crate) const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
@@ -30,8 +32,8 @@ pub(crate) const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1
 #[derive(Debug)]
 pub(crate) struct State {
     pub(crate) mesh: Mesh,
-    pub(crate) plc: Plc,
-    pub(crate) angles: Angles,
+    pub(crate) plc: Arc<Plc>,
+    pub(crate) angles: Arc<Angles>,
     pub(crate) marks: Marks,
     /// Where each kernel vertex lives; entry 0 is the vertex at infinity.
     pub(crate) carriers: Vec<Carrier>,
@@ -56,6 +58,8 @@ pub(crate) struct State {
     pub(crate) by_place: bool,
     /// The fine step in the coordinates of the mesh.
     pub(crate) fine_step: f64,
+    /// If this is a part of a mesh: which one.
+    pub(crate) window: Option<Window>,
 }
 
 impl Opens for State {
@@ -99,12 +103,23 @@ impl State {
         heed: Heed<'_>,
     ) -> Result<Self, RefineError> {
         let Lengths { near, fine_step } = lengths;
-        let marks = Marks::new(mesh.topology().slots());
-        Ok(Self {
+        let angles = Angles::of(&plc, near, heed)?;
+        Ok(Self::with(mesh, carriers, Arc::new(plc), Arc::new(angles), fine_step))
+    }
+
+    /// The state with these small angles before anything of the boundary is entered.
+    pub(crate) fn with(
+        mesh: Mesh,
+        carriers: Vec<Carrier>,
+        plc: Arc<Plc>,
+        angles: Arc<Angles>,
+        fine_step: f64,
+    ) -> Self {
+        Self {
+            marks: Marks::new(mesh.topology().slots()),
             mesh,
-            angles: Angles::of(&plc, near, heed)?,
+            angles,
             plc,
-            marks,
             carriers,
             segments: Map::default(),
             subfaces: Map::default(),
@@ -117,7 +132,8 @@ impl State {
             by_place: false,
             expected: 0,
             fine_step,
-        })
+            window: None,
+        }
     }
 
     /// Takes memory for what comes with about this many tetrahedra. A hint.
@@ -126,9 +142,14 @@ impl State {
         self.marks.expect(tets);
     }
 
-    /// Finds the cavity of a place.
+    /// Finds the cavity of a place. In a window one with something around it that is not known is
+    /// set back.
     pub(crate) fn begin(&mut self, place: &Place) -> Result<OpenCavity<'_, Self>, At> {
         self.mesh.begin_anywhere(place.p, place.from)?.end(|_| ());
+        if let Some(t) = self.filling_in_closure() {
+            self.set_back();
+            return Err(At::SetBack(Setback::Refused(t)));
+        }
         Ok(OpenCavity::new(self))
     }
 
@@ -320,5 +341,37 @@ impl State {
         self.mesh.memory_bytes()
             + self.marks.memory_bytes()
             + self.carriers.capacity() * size_of::<Carrier>()
+    }
+}
+
+impl State {
+    /// The vertices of the whole mesh.
+    pub(crate) fn num_vertices(&self) -> usize {
+        self.mesh.num_vertices() + self.window.as_ref().map_or(0, |own| own.elsewhere)
+    }
+
+    /// Is what a slot has filling?
+    pub(crate) fn has_filling(&self, t: TetId) -> bool {
+        self.window.as_ref().is_some_and(|own| own.has_filling(t))
+    }
+
+    /// The first tetrahedron of the open cavity or beside it that is filling, if this is a window;
+    /// its vertices are noted then, and those of all these tetrahedra.
+    pub(crate) fn filling_in_closure(&mut self) -> Option<TetId> {
+        self.window.as_ref()?;
+        let cavity: Vec<TetId> = self.mesh.cavity().tets().collect();
+        self.filling_around(&cavity)
+    }
+
+    /// As [`State::filling_in_closure`], of some tetrahedra and those beside them.
+    pub(crate) fn filling_around(&mut self, tets: &[TetId]) -> Option<TetId> {
+        let window = self.window.as_ref()?;
+        let beside = tets.iter().flat_map(|&t| self.neighbours(t));
+        let all: Vec<TetId> = tets.iter().copied().chain(beside).collect();
+        let found = all.iter().copied().find(|&t| window.has_filling(t))?;
+        let corners = all.iter().flat_map(|&t| self.vertices(t)).filter(|&v| v != INFINITE);
+        let corners: Vec<Point> = corners.map(|v| self.at(v)).collect();
+        self.window.as_mut()?.missed.extend(corners);
+        Some(found)
     }
 }

@@ -20,6 +20,7 @@ use ltbw_core::Builder;
 use ltbw_core::topology::{INFINITE, VertexId, slot_of, tet_of};
 use ltbw_domain::vector::{cross, dot, minus};
 use ltbw_exact::{Point, PointSet};
+use std::sync::Arc;
 
 /// The distance of an apex from the plane, in the units of the rounded projection.
 const APEX: f64 = (1u64 << 52) as f64;
@@ -265,7 +266,7 @@ impl State {
                 self.subfaces.insert(tile.key, f);
                 self.mark_both(tile, true);
             }
-            if let Some(patch) = &mut self.plc.facets[f as usize].patch {
+            if let Some(patch) = &mut Arc::make_mut(&mut self.plc).facets[f as usize].patch {
                 patch.sides = Some(Sides { inner, outer, upwards });
             }
         }

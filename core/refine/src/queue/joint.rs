@@ -12,7 +12,8 @@ use crate::mesh::journal::Journal;
 use crate::mesh::limit::Limit;
 use crate::mesh::state::State;
 use crate::outcome::Reason;
-use crate::rules::record::TIP_SHARE;
+use crate::rules::record::{Refusal, TIP_SHARE};
+use ltbw_core::cavity::Setback;
 use ltbw_core::topology::TetId;
 
 /// The most transactions of a joint step, and of one whose subfaces are split opposite to its
@@ -20,6 +21,25 @@ use ltbw_core::topology::TetId;
 const MOST: [usize; 2] = [256, 1024];
 
 impl Refinement<'_> {
+    /// Splits the foremost item of a circle jointly, or refuses it. Says whether points were
+    /// inserted.
+    ///
+    /// # Errors
+    /// The mesh is full, or does not tell enough: it is as before.
+    pub(crate) fn part_circle(&mut self, item: Item, work: &mut Queues) -> Result<bool, Setback> {
+        let limit = self.record.limits.get(&item).copied();
+        let step = self.split_jointly(item, work);
+        match step {
+            Step::SetBack(setback) => return Err(setback),
+            Step::Refused(reason) => {
+                self.record.refused.insert(item, Refusal { reason, limit });
+            }
+            Step::Inserted | Step::Gone | Step::Deferred => {}
+        }
+        self.record.limits.remove(&item);
+        Ok(step == Step::Inserted)
+    }
+
     /// Splits `item` and all that is lost by it; the mesh is as before if that fails. If it
     /// cannot be done with subfaces split near their centres it is tried once more, with their
     /// points opposite to those that took them.
@@ -70,6 +90,11 @@ impl Refinement<'_> {
         let live: Vec<TetId> = live.map(|&(t, _)| t).collect();
         if complete && self.state.relabel(&journal) && self.state.is_labelled(live) {
             self.state.settle_dust(journal.created.iter().map(|&(t, _)| t));
+            // One that ends early may leave items that nobody is to split any more. (At the start
+            // others may wait for them.)
+            if self.state.by_place {
+                journal.entered.iter().for_each(|&item| self.state.encroachment.remove(item));
+            }
             // Slots of ghosts, too: a tetrahedron may have been there.
             let written = journal.insertions.iter().flat_map(|(undo, _)| undo.created());
             self.inserted.created = written.collect();

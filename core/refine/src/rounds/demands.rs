@@ -4,6 +4,7 @@ use crate::mesh::item::Item;
 use crate::mesh::limit::Limit;
 use crate::mesh::state::State;
 use crate::outcome::Reason;
+use crate::rules::circles::circles;
 use crate::rules::record::{Record, Refusal};
 use crate::table::{Map, Set};
 use ltbw_core::topology::TetId;
@@ -115,35 +116,11 @@ impl Demands {
     /// The foremost item of each circle of items that wait for each other, in the order of their
     /// places. Every item waits for one, so that each way ends in a circle.
     pub(super) fn circles(&self, state: &State) -> Vec<Item> {
-        let first_of = |item: &Item| self.pending.get(item).and_then(|own| own.first);
         let mut items: Vec<Item> = self.pending.keys().copied().collect();
         state.sort(&mut items);
-        let mut seen: Map<Item, usize> = Map::default();
-        let mut foremost = Vec::new();
-        for (walk, &start) in items.iter().enumerate() {
-            let mut at = start;
-            // A way goes on to items not seen before, of which there are as many as are pending.
-            while !seen.contains_key(&at) {
-                seen.insert(at, walk);
-                let Some(first) = first_of(&at) else { break };
-                at = first;
-            }
-            if seen.get(&at) != Some(&walk) {
-                continue;
-            }
-            // The circle that starts at `at`.
-            let (mut circle, mut next) = (Vec::new(), at);
-            for _ in 0..items.len() {
-                circle.push(next);
-                next = first_of(&next).unwrap_or(at);
-                if next == at {
-                    break;
-                }
-            }
-            state.sort(&mut circle);
-            foremost.extend(circle.first());
-        }
-        state.sort(&mut foremost);
-        foremost
+        let numbers: Map<Item, usize> = items.iter().copied().zip(0..).collect();
+        let first_of = |item: &Item| numbers.get(&self.pending.get(item)?.first?).copied();
+        let first: Vec<Option<usize>> = items.iter().map(first_of).collect();
+        circles(&first).into_iter().map(|circle| items[circle[0]]).collect()
     }
 }

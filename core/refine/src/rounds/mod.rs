@@ -44,9 +44,8 @@ use crate::mesh::item::{Item, Queues};
 use crate::mesh::names::Names;
 use crate::mesh::state::Place;
 use crate::outcome::{Reason, RefineStats};
-use crate::queue::split::{Refinement, Step};
+use crate::queue::split::Refinement;
 use crate::rules::block::{Block, Blocks};
-use crate::rules::record::Refusal;
 use crate::rules::verdict::Filling;
 use crate::rules::watch::Watch;
 use crate::thin::Thin;
@@ -362,16 +361,11 @@ impl<'r, 'a> Rounds<'r, 'a> {
         self.reserved.start(0, 0);
         let mut work = Queues::default();
         for item in self.demands.circles(&self.own.state) {
-            let limit = self.own.record.limits.get(&item).copied();
-            match self.own.split_jointly(item, &mut work) {
-                Step::Refused(reason) => {
-                    self.own.record.refused.insert(item, Refusal { reason, limit });
-                }
-                Step::SetBack(_) => return Err(RefineError::Invariant { what: "room for points" }),
-                Step::Inserted => self.note_created(),
-                Step::Gone | Step::Deferred => {}
+            match self.own.part_circle(item, &mut work) {
+                Err(_) => return Err(RefineError::Invariant { what: "room for points" }),
+                Ok(true) => self.note_created(),
+                Ok(false) => {}
             }
-            self.own.record.limits.remove(&item);
             self.demands.remove(&item);
         }
         self.settle();

@@ -4,7 +4,6 @@ use super::{BlockHere, Pending, Rounds};
 use crate::RefineError;
 use crate::mesh::item::Item;
 use crate::mesh::limit::Limit;
-use crate::outcome::RefineStats;
 use crate::rules::block::{Block, Blocks};
 use crate::rules::record::Refusal;
 use crate::thin::Thin;
@@ -39,9 +38,6 @@ pub(crate) struct Resumed {
     /// Subfaces that bar many.
     pub(crate) blocks: Vec<(Block, BlockHere)>,
 }
-
-/// The items that are left to be split, blocks, and figures.
-type Parted = (Vec<Waiting>, Vec<Block>, RefineStats);
 
 impl Rounds<'_, '_> {
     /// Leaves slivers to others, if there are as many as `few`, and works up to these.
@@ -94,20 +90,5 @@ impl Rounds<'_, '_> {
         self.make_room();
         self.own.inserted.thin.tets = thin;
         Ok(())
-    }
-
-    /// Splits circles that others have found.
-    ///
-    /// # Errors
-    /// A broken invariant.
-    pub(crate) fn part_circles(mut self) -> Result<Parted, RefineError> {
-        self.look_at_all();
-        self.split_circles()?;
-        let limits = &self.own.record.limits;
-        let left = self.demands.pending.iter().map(|(&item, own)| {
-            let first = own.first.filter(|first| self.demands.pending.contains_key(first));
-            Waiting { item, first, near: own.near, limit: limits.get(&item).copied() }
-        });
-        Ok((left.collect(), self.blocks_left(), self.stats))
     }
 }

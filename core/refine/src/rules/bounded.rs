@@ -198,7 +198,7 @@ impl Bounded for InMesh<'_> {
     }
 
     fn num_vertices(&self) -> usize {
-        self.state.mesh.num_vertices()
+        self.state.num_vertices()
     }
 
     fn unserved(&self, item: Item) -> Reason {

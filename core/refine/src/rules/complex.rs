@@ -17,8 +17,10 @@ use crate::rules::aim::{Aim, Aims};
 use crate::rules::choice::{BoundaryItem, Corner};
 use crate::rules::group::Group;
 use ltbw_core::Random;
+use ltbw_core::mesh::Mesh;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::{Mode, Point};
+use std::sync::Arc;
 
 /// Why a domain cannot be refined by engines on many processors.
 #[doc(hidden)]
@@ -57,10 +59,12 @@ pub struct Start {
 /// The boundary of a domain and the bounds of its mesh.
 #[doc(hidden)]
 pub struct Complex<'a> {
-    plc: Plc,
-    angles: Angles,
+    plc: Arc<Plc>,
+    angles: Arc<Angles>,
     bounds: Bounds<'a>,
-    floor: f64,
+    pub(crate) floor: f64,
+    /// The most transactions of a joint step, if they are fewer than usual.
+    pub(crate) joint_most: usize,
     names: Names,
     has_patches: bool,
 }
@@ -138,10 +142,16 @@ impl Start {
 }
 
 impl<'a> Complex<'a> {
-    pub(crate) fn of(state: &State, bounds: Bounds<'a>, floor: f64) -> Self {
-        let (plc, angles) = (state.plc.clone(), state.angles.clone());
-        let has_patches = plc.has_patches();
-        Self { plc, angles, bounds, floor, names: Names::of(state), has_patches }
+    pub(crate) fn of(state: &State, bounds: Bounds<'a>, floor: f64, joint_most: usize) -> Self {
+        let (plc, angles) = (Arc::clone(&state.plc), Arc::clone(&state.angles));
+        let (has_patches, names) = (plc.has_patches(), Names::of(state));
+        Self { plc, angles, bounds, floor, joint_most, names, has_patches }
+    }
+
+    /// The state of a part of the mesh with this boundary, of which nothing is entered.
+    pub(crate) fn state(&self, mesh: Mesh, carriers: Vec<Carrier>) -> State {
+        let (plc, angles) = (Arc::clone(&self.plc), Arc::clone(&self.angles));
+        State::with(mesh, carriers, plc, angles, self.bounds.fine_step)
     }
 
     pub(crate) fn angles(&self) -> &Angles {

@@ -12,6 +12,7 @@
 //! | `sliver`, `beside`, `star` | which points are tried for a sliver, and which serves |
 //! | `record` | what came of earlier proposals |
 //! | `block` | what bars many tetrahedra of a round |
+//! | `circles` | boundary items that wait for each other |
 //! | `complex`, `choice` | boundary, points, items and ranks as values |
 //! | `by_values`, `surveyed` | verdicts for a closure of which values are known |
 
@@ -22,6 +23,7 @@ pub(crate) mod block;
 pub(crate) mod bounded;
 pub(crate) mod by_values;
 pub(crate) mod choice;
+pub(crate) mod circles;
 pub(crate) mod complex;
 pub(crate) mod group;
 pub(crate) mod look;

@@ -19,7 +19,7 @@ impl<'a> Run<'a> {
     /// [`ComplexError`] if some of the boundary is missing.
     pub(super) fn complex(&self) -> Result<Complex<'a>, ComplexError> {
         let own = &self.refinement;
-        Ok(Complex::of(&own.state, self.fit()?.clone(), own.floor))
+        Ok(Complex::of(&own.state, self.fit()?.clone(), own.floor, own.joint_most))
     }
 
     /// The bounds of a run that others can go on with.

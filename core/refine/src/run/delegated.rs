@@ -9,23 +9,20 @@ use crate::complex::carrier::Carrier;
 use crate::fill::Points;
 use crate::mesh::item::Item;
 use crate::mesh::limit::Limit;
-use crate::mesh::marks::{ENDS, Marks, Word, edge_bit, face_bit};
 use crate::mesh::region::RegionInfo;
-use crate::mesh::state::{FACE, State};
+use crate::mesh::state::State;
 use crate::outcome::RefineStats;
 use crate::queue::split::Refinement;
-use crate::rounds::{InsertOrder, Resumed, Rounds, Waiting};
+use crate::rounds::{InsertOrder, Resumed, Waiting};
 use crate::rules::block::Block;
 use crate::rules::choice::{BoundaryItem, ItemPlace, TetPlace};
 use crate::rules::complex::{Complex, ComplexError, Start};
 use crate::rules::record::{Record, Refusal};
-use crate::table::{Map, Set, edge, triangle};
+use crate::table::Set;
 use crate::{RefineError, Refined};
 use ltbw_core::mesh::{Mesh, Vertex};
-use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId};
+use ltbw_core::topology::{TetId, VertexId};
 use ltbw_domain::{Domain, Lattice};
-use ltbw_exact::Point;
-use rayon::prelude::*;
 use std::time::Instant;
 
 /// The part of a mesh that is made before others without rounds begin.
@@ -43,8 +40,6 @@ pub struct Delegated<'a> {
     lattice: Lattice,
     clock: Instant,
     start_seconds: f64,
-    /// The transactions of joint steps in rounds so far.
-    spent: usize,
     /// Refused tetrahedra for which no point was found that relieves them, by their places.
     in_vain: Set<TetPlace>,
 }
@@ -86,6 +81,8 @@ pub struct Handed {
     pub refused_tets: Vec<(TetId, Refusal)>,
     /// Candidates among the tetrahedra in the last round that split some.
     pub candidates: usize,
+    /// The transactions of joint steps in rounds so far.
+    pub spent: usize,
     /// If none is over its bounds, the tetrahedra that may have tiny dihedral angles.
     pub thin: Option<Vec<TetId>>,
     /// If rounds of slivers have begun, those that are still to be looked at.
@@ -161,7 +158,7 @@ impl<'a> Refiner<'a> {
         run.refine(self.start.unwrap_or(start))?;
         let start_seconds = clock.elapsed().as_secs_f64();
         let (lattice, in_vain) = (*lattice, Set::default());
-        Ok(Delegated { run, regions, lattice, clock, start_seconds, spent: 0, in_vain })
+        Ok(Delegated { run, regions, lattice, clock, start_seconds, in_vain })
     }
 }
 
@@ -213,29 +210,6 @@ impl<'a> Delegated<'a> {
         self.finish_from(Some(resumed))
     }
 
-    /// Takes over where boundary items wait for each other in circles, and splits these. Others go
-    /// on then with what is left.
-    ///
-    /// # Errors
-    /// Those of [`Delegated::finish`].
-    pub fn part_circles(&mut self, handed: Handed) -> Result<Remaining, RefineError> {
-        let resumed = self.take(handed)?;
-        let candidates = resumed.candidates;
-        let Run { refiner, most, stats, ref mut refinement, .. } = self.run;
-        let mut rounds = Rounds::new(refinement, refiner.order, most, stats);
-        rounds.resume(resumed);
-        let (left, blocks, stats) = rounds.part_circles()?;
-        self.run.stats = stats;
-        let Refinement { record, state, .. } = &self.run.refinement;
-        self.spent = record.joint_transactions;
-        let asked: Option<Vec<Asked>> =
-            left.into_iter().map(|waiting| state.asked(waiting)).collect();
-        let asked = asked.ok_or(RefineError::Invariant { what: "items have names" })?;
-        let (refused, refused_tets) = state.refusals(record);
-        let (spent, slivers) = (self.spent, None);
-        Ok(Remaining { asked, refused, refused_tets, candidates, spent, slivers, blocks })
-    }
-
     /// Takes over where late steps come before slivers, and carries out these. Others go on then
     /// with slivers; `None` if there are few: then all is done, and [`Delegated::ended`] tells.
     ///
@@ -250,7 +224,7 @@ impl<'a> Delegated<'a> {
             return Ok(None);
         };
         let Refinement { record, state, .. } = &self.run.refinement;
-        self.spent = record.joint_transactions;
+        let spent = record.joint_transactions;
         let place = |v: [VertexId; 4]| TetPlace::of(v.map(|v| state.at(v)));
         let in_vain = record.in_vain.iter().filter_map(|&item| match item {
             Item::Tet(t, v) if state.is_live(t, v) => Some(place(v)),
@@ -264,7 +238,7 @@ impl<'a> Delegated<'a> {
             refused,
             refused_tets,
             candidates: 0,
-            spent: self.spent,
+            spent,
             slivers: Some(slivers),
             blocks,
         }))
@@ -288,6 +262,7 @@ impl<'a> Delegated<'a> {
         let Handed { mesh, carriers, regions, asked, refused, candidates, thin, stats, .. } =
             handed;
         let (refused_tets, slivers, blocks) = (handed.refused_tets, handed.slivers, handed.blocks);
+        let spent = handed.spent;
         let unfit = |_| RefineError::Invariant { what: "rounds of others are of a plain domain" };
         let complex = self.run.complex().map_err(unfit)?;
         let own = &mut self.run.refinement;
@@ -296,7 +271,7 @@ impl<'a> Delegated<'a> {
         own.inserted.points = own.state.number_all();
         own.inserted.next_number = own.state.carriers.len() as Vertex - 1;
         let is_asked = !asked.is_empty() || !refused.is_empty();
-        let found = own.state.enter_marks(&complex, &regions, is_asked);
+        let found = own.state.enter_boundary(&complex, &regions, is_asked);
         let mut all = own.state.mesh.topology().iter().map(|(t, _)| t);
         if complex.has_patches() && !own.state.is_labelled(&mut all) {
             return Err(RefineError::Invariant { what: "regions change at the boundary alone" });
@@ -327,7 +302,6 @@ impl<'a> Delegated<'a> {
         // Tetrahedra that no point helps have to be refused with their reasons.
         let thin = thin.filter(|_| !complex.has_angles());
         let (waiting, refused) = (waiting.ok_or_else(gone)?, refused.ok_or_else(gone)?);
-        let spent = self.spent;
         Ok(Resumed { waiting, refused, candidates, thin, slivers, in_vain, spent, blocks })
     }
 
@@ -363,15 +337,6 @@ impl State {
         (items, tets)
     }
 
-    /// A boundary item to be split, by its corners.
-    fn asked(&self, waiting: Waiting) -> Option<Asked> {
-        let first = match waiting.first {
-            Some(first) => Some(self.boundary_item(first)?.place()),
-            None => None,
-        };
-        Some(Asked { item: self.boundary_item(waiting.item)?, first, limit: waiting.limit })
-    }
-
     /// Numbers all vertices: those that the domain says as there. Counts the others.
     fn number_all(&mut self) -> Points {
         let mut points = Points::default();
@@ -393,93 +358,5 @@ impl State {
         self.carriers = carriers;
         self.mesh.set_next_number(next);
         points
-    }
-
-    /// Enters the boundary that the carriers tell, and the regions. Returns all items by place if
-    /// they are asked for, each with a tetrahedron at it.
-    fn enter_marks(
-        &mut self,
-        complex: &Complex<'_>,
-        regions: &[u32],
-        is_asked: bool,
-    ) -> Map<ItemPlace, (Item, TetId)> {
-        self.marks = Marks::new(self.mesh.topology().slots());
-        (self.segments, self.subfaces) = Default::default();
-        let this = &*self;
-        // A byte for each vertex is in the cache, unlike its carrier.
-        let is_on: Vec<bool> = this.carriers.iter().map(|own| *own != Carrier::Free).collect();
-        let enter = |mut found: Vec<_>, (t, tet): (TetId, &Tet)| {
-            let v = tet.vertices();
-            let region = if v[3] == INFINITE { 0 } else { regions[t.index()] };
-            let label = |t: TetId| match this.vertices(t)[3] {
-                INFINITE => 0,
-                _ => regions[t.index()],
-            };
-            let labels = |slot: usize| [t, this.neighbours(t)[slot]].map(label);
-            let tell = |item, of| found.push((item, of, t));
-            let bits = this.named(complex, (v, &is_on), labels, tell);
-            this.marks.enter(t, region, bits);
-            found
-        };
-        let all = this.mesh.topology().par_iter().fold(Vec::new, enter);
-        let mut found = Map::default();
-        for (item, of, t) in all.collect::<Vec<_>>().into_iter().flatten() {
-            let corners = match &item {
-                Item::Segment(ends) => {
-                    self.segments.insert(*ends, of);
-                    &ends[..]
-                }
-                Item::Subface(corners) => {
-                    self.subfaces.insert(*corners, of);
-                    &corners[..]
-                }
-                Item::Tet(..) => continue,
-            };
-            if is_asked {
-                let points: Vec<Point> = corners.iter().map(|&v| self.at(v)).collect();
-                found.insert(ItemPlace::of(&points), (item, t));
-            }
-        }
-        found
-    }
-
-    /// Tells the boundary items of a tetrahedron, each with its segment or facet, where `is_on`
-    /// says which vertices are on the boundary: the one at infinity is not; and `labels` the
-    /// regions on both sides of a face. Returns its marks.
-    fn named(
-        &self,
-        complex: &Complex<'_>,
-        (v, is_on): ([VertexId; 4], &[bool]),
-        labels: impl Fn(usize) -> [u32; 2],
-        mut tell: impl FnMut(Item, u32),
-    ) -> Word {
-        let carrier = |v: VertexId| self.carriers[v.index()];
-        let is_on = v.map(|v| is_on[v.index()]);
-        let mut bits = 0;
-        if is_on.iter().filter(|on| **on).count() < 2 {
-            return bits;
-        }
-        for [i, j] in ENDS {
-            if is_on[i]
-                && is_on[j]
-                && let Some(s) = complex.segment([v[i], v[j]].map(carrier))
-            {
-                tell(Item::Segment(edge(v[i], v[j])), s);
-                bits |= edge_bit(i, j);
-            }
-        }
-        for (slot, face) in FACE.into_iter().enumerate() {
-            if !face.iter().all(|&k| is_on[k]) {
-                continue;
-            }
-            let [a, b, c] = face.map(|k| v[k]);
-            let corners = [a, b, c].map(|v| (carrier(v), self.at(v)));
-            let patch = || complex.patch(corners, slot, || Some(labels(slot)));
-            if let Some(f) = complex.facet(corners).or_else(patch) {
-                tell(Item::Subface(triangle(a, b, c)), f);
-                bits |= face_bit(slot);
-            }
-        }
-        bits
     }
 }

@@ -16,6 +16,7 @@ use crate::table::Set;
 use ltbw_core::build::Phase;
 use ltbw_core::mesh::Vertex;
 use ltbw_domain::{Domain, Lattice};
+use std::sync::Arc;
 use std::time::Instant;
 
 impl<'a> Refiner<'a> {
@@ -126,7 +127,7 @@ impl<'a> Refiner<'a> {
                 Some(all) => regions = all,
                 None => return Ok(Err(all)),
             }
-            state.angles.bound_tips(self.radius_edge);
+            Arc::make_mut(&mut state.angles).bound_tips(self.radius_edge);
             run.refinement.bounds = Some(self.bounds(&regions, lattice));
             // From here on a refinement that is cancelled has a mesh to give.
             self.tell(Phase::Refine, run.refinement.state.mesh.num_vertices());

@@ -39,7 +39,7 @@ fn carriers_tell_the_boundary() {
             let count = [&own.state.segments.len(), &own.state.subfaces.len()].map(|n| *n);
             assert!(count[0] > 4 && count[1] > 4, "{kind:?}: {count:?}");
             let bounds = own.bounds.expect("all is there");
-            let complex = Complex::of(&own.state, bounds, own.floor);
+            let complex = Complex::of(&own.state, bounds, own.floor, own.joint_most);
             for (ends, known) in edges {
                 assert_eq!(complex.segment(ends), known, "{kind:?} {vertices}: {ends:?}");
             }

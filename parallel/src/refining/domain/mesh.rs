@@ -125,6 +125,11 @@ impl<'c> DomainMesh<'c> {
         self.slots.region(t)
     }
 
+    /// Gives a tetrahedron another region.
+    pub(crate) fn set_region(&mut self, t: TetId, region: u32) {
+        self.slots.put(t, region);
+    }
+
     /// The regions of all slots, which this submesh has no more.
     pub(crate) fn take_regions(&mut self) -> Vec<u32> {
         let mut regions = std::mem::take(&mut self.slots.regions);

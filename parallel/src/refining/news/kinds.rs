@@ -3,7 +3,7 @@
 use super::DomainNews;
 
 /// The kinds of news that barriers wait for, in the order in which a round has them.
-pub(crate) const NEWS_KINDS: [&str; 19] = [
+pub(crate) const NEWS_KINDS: [&str; 23] = [
     "Keys",
     "Way",
     "Seek",
@@ -17,6 +17,10 @@ pub(crate) const NEWS_KINDS: [&str; 19] = [
     "Launch",
     "Report",
     "Fates",
+    "Waiting",
+    "Lend",
+    "Lent",
+    "Parted",
     "Rivals",
     "Ask",
     "Gone",
@@ -42,12 +46,16 @@ impl DomainNews {
             Self::Launch(_) => 10,
             Self::Report(_) => 11,
             Self::Fates(_) => 12,
-            Self::Rivals { .. } => 13,
-            Self::Ask { .. } => 14,
-            Self::Gone(_) => 15,
-            Self::Release(_) => 16,
-            Self::Refused(_) => 17,
-            Self::Unblocked(_) => 18,
+            Self::Waiting(_) => 13,
+            Self::Lend(_) => 14,
+            Self::Lent(_) => 15,
+            Self::Parted(_) => 16,
+            Self::Rivals { .. } => 17,
+            Self::Ask { .. } => 18,
+            Self::Gone(_) => 19,
+            Self::Release(_) => 20,
+            Self::Refused(_) => 21,
+            Self::Unblocked(_) => 22,
             Self::Several(all) => return all.iter().flat_map(Self::kinds).collect(),
             Self::Up(_) | Self::Down(_) | Self::Ended(_) => return Vec::new(),
         };

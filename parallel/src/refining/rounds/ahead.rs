@@ -21,10 +21,14 @@ impl<C: Rules> Rounds<C> {
     /// Is there something to do ahead while others are waited for?
     pub(super) fn looks_ahead(&self, standing: Standing) -> bool {
         let waits = match self.stage {
+            // The regions of what circles make are not known before all of it is in.
+            Stage::Inserting if self.circles.are_inserted() => false,
             Stage::Inserting => self.waves.tree.has_put() && standing.is_passive,
             Stage::Counting => self.waves.tree.has_put(),
             Stage::Exchanging(_) => true,
-            Stage::Looking | Stage::Choosing | Stage::Deciding | Stage::Over => false,
+            Stage::Looking | Stage::Choosing | Stage::Parting | Stage::Deciding | Stage::Over => {
+                false
+            }
         };
         let is_left = || !self.ahead.next.is_empty() || !self.keys.own.is_sifted_ahead();
         waits && self.workers > 1 && (!self.created.is_empty() || is_left())

@@ -3,7 +3,7 @@
 use crate::protocol::WorkerId;
 use ltbw_core::topology::TetId;
 use ltbw_refine::{BoundaryItem, ItemPlace, Limit, Reason, Refusal, Refusals};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A boundary item to be split.
 #[derive(Clone, Copy, Debug)]
@@ -115,6 +115,16 @@ impl Demands {
     fn end(&mut self, place: ItemPlace, settled: &mut Settled) -> Option<Limit> {
         settled.waited.extend(self.waiters.remove(&place).into_iter().flatten());
         self.pending.remove(&place).and_then(|own| own.limit)
+    }
+
+    /// Items of circles are to be split no more, whoever keeps them: those of this keeper that wait
+    /// for one may be tried.
+    pub(super) fn forget(&mut self, ended: &BTreeSet<ItemPlace>) {
+        self.pending.retain(|place, _| !ended.contains(place));
+        self.waiters.retain(|place, _| !ended.contains(place));
+        for own in self.pending.values_mut() {
+            own.first = own.first.filter(|first| !ended.contains(first));
+        }
     }
 
     /// Lets items be tried whose first ones are gone.

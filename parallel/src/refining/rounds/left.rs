@@ -62,6 +62,7 @@ impl<C: Rules> Rounds<C> {
             asked: self.demands.pending.into_values().map(left).collect(),
             refused: self.demands.refused.all.into_iter().collect(),
             refused_tets: self.keys.refused(mesh),
+            spent: self.spent,
             candidates: usize::try_from(self.budget.counted).unwrap_or(0),
             thin: self.keys.thin(mesh),
             before_slivers: self.slivers.before,

@@ -10,8 +10,8 @@
 //! Boundary items that are to be split are kept by the worker whose block their first corner is in,
 //! so that each is known to one, whoever asks for it.
 //!
-//! Work on the whole mesh is left to the engine, which takes over when nothing else is left:
-//! circles of items that wait for each other; late steps where something cannot be split.
+//! Work on the whole mesh is left to the engine, which takes over when nothing else is left: late
+//! steps where something cannot be split.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -23,6 +23,7 @@
 //! | `keys`, `ranked` | which tetrahedra come before all around them |
 //! | `candidate` | probes and candidates as values |
 //! | `probe` | the home's side of the choice: probes and what comes of them |
+//! | `circles`, `borrowed` | boundary items that wait for each other |
 //! | `barriers`, `blocks` | subfaces that bar many tetrahedra |
 //! | `beyond` | which sides of a tetrahedron are subfaces, where others know the regions beyond |
 //! | `leaders` | which of several with nearly equal spheres is probed |
@@ -45,7 +46,9 @@ mod ahead;
 mod barriers;
 mod beyond;
 mod blocks;
+mod borrowed;
 mod candidate;
+mod circles;
 mod conduct;
 mod contest;
 mod decide;
@@ -159,9 +162,6 @@ enum Then {
     One(Option<Box<Handed>>),
 }
 
-/// Circles for which workers hand over, and take back what is left; at the last the engine goes on.
-const MOST_CIRCLES: u64 = 64;
-
 /// Workers, and what they have in common.
 type Begun<'c, C> = (Vec<RoundNode<'c, C>>, SharedInput);
 
@@ -176,6 +176,8 @@ struct Left {
     refused_tets: Vec<(TetId, Refusal)>,
     /// Candidates among the tetrahedra when last counted.
     candidates: usize,
+    /// The transactions of joint steps in rounds so far.
+    spent: usize,
     /// Its tetrahedra that may have tiny dihedral angles.
     thin: Vec<TetId>,
     /// If rounds of slivers have begun, those of its tetrahedra that are still to be looked at.
@@ -202,7 +204,7 @@ fn refine<'a, C: Rules>(
     let mut delegated = refiner.delegate(domain, lattice)?;
     let mut resumed = Resumed::default();
     let (mut firsts, mut told) = (Vec::new(), Ending::Done);
-    // Ends: each time at least one item of a circle is split, or refused; slivers are left once.
+    // Ends: slivers are left once.
     loop {
         let (complex, start) = match delegated.complex() {
             Ok(whole) => whole,
@@ -228,8 +230,7 @@ fn refine<'a, C: Rules>(
     }
 }
 
-/// One processor takes over when workers have ended, and may leave something to them: circles that
-/// are split, and once slivers.
+/// One processor takes over when workers have ended, and may leave slivers to them, once.
 fn go_on(
     delegated: &mut Delegated<'_>,
     handed: Handed,
@@ -237,7 +238,6 @@ fn go_on(
 ) -> Result<Then, RefineError> {
     let left = match ending {
         Ending::Border => Some(delegated.stop_between(handed)?),
-        Ending::Circles if figures.ended < MOST_CIRCLES => Some(delegated.part_circles(handed)?),
         Ending::Cancelled => return Ok(Then::One(Some(Box::new(handed)))),
         _ if handed.slivers.is_some() => return Ok(Then::One(Some(Box::new(handed)))),
         _ => delegated.go_to_slivers(handed)?,
@@ -249,7 +249,7 @@ fn go_on(
 /// The ending that is told of, after one before: the first that left something undone.
 fn told_of(before: Ending, next: Ending) -> Ending {
     match before {
-        Ending::Done | Ending::Circles | Ending::Border => next,
+        Ending::Done | Ending::Border => next,
         before => before,
     }
 }
@@ -377,7 +377,7 @@ fn join(
 ) -> Result<All, RefineError> {
     let (mut parts, mut asked, mut all_thin) = (Vec::new(), Vec::new(), Vec::new());
     let (mut refused, mut all_tets, mut all_slivers) = (Vec::new(), Vec::new(), Some(Vec::new()));
-    let (mut ending, mut candidates, mut blocks) = (Ending::Done, 0, Vec::new());
+    let (mut ending, mut candidates, mut spent, mut blocks) = (Ending::Done, 0, 0, Vec::new());
     let (begin, mut told) = (*figures, Vec::new());
     let before_slivers = counted(all.iter().map(|(_, left)| left.before_slivers));
     for (part, left) in all {
@@ -396,7 +396,7 @@ fn join(
         if left.worker == WorkerId::default() {
             ending = left.ending.unwrap_or(Ending::Irregular);
             (candidates, refused) = (left.candidates, left.refused);
-            blocks = left.blocks;
+            (blocks, spent) = (left.blocks, left.spent);
         }
         parts.push(part);
     }
@@ -424,6 +424,7 @@ fn join(
         refused,
         refused_tets,
         candidates,
+        spent,
         thin,
         slivers,
         blocks,

@@ -55,7 +55,7 @@ fn of_team(error: impl Into<TeamError>) -> RefineError {
     RunError::from(error.into()).into()
 }
 
-/// The state in which workers go on after circles were split, with the mesh as it is then.
+/// The state in which workers go on after another one has taken over, with the mesh as it is then.
 type Again = Option<(Start, Resumed)>;
 
 /// That state at a checkpoint, with the figures of the refinement so far.
@@ -158,8 +158,8 @@ pub fn rounds_on_team<P: Post>(
     match delegated {
         own if is_first => {
             let mut own = own?;
-            if let Some((_, resumed)) = &from {
-                own.go_on_from(&resumed.left, stats_then);
+            if from.is_some() {
+                own.go_on_from(stats_then);
             }
             member.lead(own, is_stopped, from, checkpoints.keep)
         }
@@ -262,7 +262,7 @@ impl<P: Post> Member<'_, '_, P> {
         let mut ended = Ending::Done;
         let (mut late, mut since) = (Late::Alone, Instant::now());
         let mut tets = None;
-        // Ends as with threads: each time at least one item of a circle is split, or refused.
+        // Ends as with threads: slivers are left once.
         let (refined, ending) = loop {
             let (complex, mut start) = match delegated.complex() {
                 Ok(whole) if !is_stopped => whole,

@@ -1,6 +1,7 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
 use super::barriers::Barriers;
+use super::borrowed::Circles;
 use super::candidate::{ChosenPoint, Probe};
 use super::contest::Conductor;
 use super::demands::{Demands, Pending};
@@ -30,8 +31,6 @@ use std::marker::PhantomData;
 pub enum Ending {
     /// No tetrahedron is left that may be split.
     Done,
-    /// Boundary items wait for each other.
-    Circles,
     /// Something cannot be split.
     Irregular,
     /// The budget may be used up in this round.
@@ -52,6 +51,8 @@ pub struct RoundFigures {
     pub widest: u64,
     /// Points inserted by rounds.
     pub points: u64,
+    /// Times that circles were split.
+    pub parted: u64,
     /// Closures searched by this worker's probes.
     pub searches: u64,
     /// The number of these that were found ahead, while others were waited for. It depends on the
@@ -83,6 +84,7 @@ impl RoundFigures {
             rounds_with: [0, 1, 2].map(|k| before.rounds_with[k] + rounds[k + 1]),
             searches: before.searches + self.searches - begin.searches,
             widest: before.widest.max(self.widest),
+            joint_phases: before.joint_phases + self.parted - begin.parted,
             round_points: before.round_points + self.points - begin.points,
             ..before
         }
@@ -183,6 +185,7 @@ pub struct Rounds<C = Correct> {
     pub(super) points: Points,
     pub(super) demands: Demands,
     pub(super) barriers: Barriers,
+    pub(super) circles: Circles,
     pub(super) slivers: Slivers,
     pub(super) conductor: Conductor,
     pub(super) counts: Counts,
@@ -227,6 +230,7 @@ impl<C: Rules> Rounds<C> {
             points: Points::default(),
             demands: Demands::default(),
             barriers: Barriers::default(),
+            circles: Circles::default(),
             slivers: Slivers::default(),
             conductor: Conductor::default(),
             counts: Counts::default(),
@@ -264,7 +268,8 @@ impl<C: Rules> Rounds<C> {
 
     /// Are there many new tetrahedra to look at? One that waits for others looks at few at a time.
     fn has_many_created(&self) -> bool {
-        self.created.len() >= LOOK && !self.waves.tree.has_put()
+        let may = !self.waves.tree.has_put() && !self.circles.are_inserted();
+        may && self.created.len() >= LOOK
     }
 
     /// The number of a point among those chosen in this round; others have numbers beyond.
@@ -435,6 +440,10 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 self.note_followers(&fates);
                 self.choice.fates = Some(Some(fates));
             }
+            DomainNews::Waiting(all) => self.take_waiting(&all),
+            DomainNews::Lend(balls) => self.lend(mesh, &balls),
+            DomainNews::Lent(part) => self.take_lent(mesh, from, part),
+            DomainNews::Parted(told) => self.take_parted(mesh, told),
             DomainNews::Blocks(blocks) => {
                 self.counts.notes -= 1;
                 self.take_blocks(blocks);

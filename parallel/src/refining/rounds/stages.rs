@@ -128,7 +128,11 @@ impl<C: Rules> Rounds<C> {
                 is_told && self.choice.open == 0 && self.choice.to_launch.is_empty()
             }
             Stage::Inserting => standing.is_passive && self.points.chosen.is_empty(),
-            Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => false,
+            Stage::Looking
+            | Stage::Exchanging(_)
+            | Stage::Parting
+            | Stage::Deciding
+            | Stage::Over => false,
         }
     }
 
@@ -161,7 +165,11 @@ impl<C: Rules> Rounds<C> {
                 sums[NEWS] = self.demands.asked.len() as i64 + self.demands.refused.count;
                 sums[FOREMOST] = self.choice.foremost.unwrap_or(0);
             }
-            Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => {}
+            Stage::Looking
+            | Stage::Exchanging(_)
+            | Stage::Parting
+            | Stage::Deciding
+            | Stage::Over => {}
         }
         sums
     }
@@ -194,10 +202,15 @@ impl<C: Rules> Rounds<C> {
             Stage::Choosing => self.end_choice(mesh, &sums),
             Stage::Inserting => {
                 if is_quiet::<C>(before, &sums) {
-                    self.settle(&sums);
+                    let has_parted = self.label_parted(mesh);
+                    self.settle(&sums, has_parted);
                 }
             }
-            Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => {}
+            Stage::Looking
+            | Stage::Exchanging(_)
+            | Stage::Parting
+            | Stage::Deciding
+            | Stage::Over => {}
         }
         if self.stage != Stage::Inserting {
             self.waves.before = None;
@@ -265,7 +278,7 @@ impl<C: Rules> Rounds<C> {
             return self.end(Ending::Cancelled);
         }
         if !has_boundary && sums[WAITING] > 0 {
-            return self.end(Ending::Circles);
+            return self.enter_circles();
         }
         if self.slivers.has_begun() {
             return self.choose_slivers(mesh);
@@ -327,19 +340,24 @@ impl<C: Rules> Rounds<C> {
                 self.figures.searches += 1;
                 self.figures.ahead += u64::from(probe.is_ahead);
             }
-            self.points.starts.clear();
-            self.points.starts.extend(self.points.chosen.iter().map(|own| own.start));
             if self.choice.foremost.is_some() {
                 self.ahead.clear();
             }
-            // Names follow one another.
-            self.points.first = self.points.chosen.front().map_or(0, |own| own.point.name());
-            (self.stage, self.waves.before) = (Stage::Inserting, None);
+            self.begin_to_insert();
         }
     }
 
+    /// The points of this worker are chosen: they are inserted.
+    pub(super) fn begin_to_insert(&mut self) {
+        self.points.starts.clear();
+        self.points.starts.extend(self.points.chosen.iter().map(|own| own.start));
+        // Names follow one another.
+        self.points.first = self.points.chosen.front().map_or(0, |own| own.point.name());
+        (self.stage, self.waves.before) = (Stage::Inserting, None);
+    }
+
     /// Everything of a round is in.
-    fn settle(&mut self, sums: &Sums) {
+    fn settle(&mut self, sums: &Sums, has_parted: bool) {
         let chosen = CHOSEN.map(|place| sums[place]);
         let all: i64 = chosen.iter().sum();
         self.budget.total += all;
@@ -370,8 +388,9 @@ impl<C: Rules> Rounds<C> {
                 return self.end(Ending::Done);
             }
         }
-        // Every round inserts a point, asks for something or refuses it.
-        if all == 0 && sums[NEWS] == 0 {
+        // Every round inserts a point, asks for something or refuses it; of a circle one item is
+        // split or refused.
+        if all == 0 && sums[NEWS] == 0 && !has_parted {
             self.end(Ending::Irregular);
         }
     }

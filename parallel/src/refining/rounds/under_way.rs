@@ -6,6 +6,8 @@
 //! | `Choosing` | `Way`, `Seek`, `Search`, `Beyond`, `Part`, `Blocks` | `Choosing` ends |
 //! | `Choosing` | `Void`, `WantRivals` | `Choosing` ends |
 //! | `Choosing`, in turns | `Entrants`, `Launch`, `Report`, `Fates` | `Choosing` ends |
+//! | `Parting` | `Waiting`, `Lend`, `Lent` | `Parting` ends |
+//! | `Parting` | `Parted` | `Inserting` ends |
 //! | `Deciding` | `Rivals`, `Ask`, `Gone` | `Inserting` ends |
 //! | the end of `Inserting` | `Release`, `Refused`, `Unblocked` | the next `Counting` ends |
 //!
@@ -26,6 +28,8 @@ pub(super) enum Stage {
     Counting,
     /// Probing.
     Choosing,
+    /// Circles are split.
+    Parting,
     /// Waiting for rivals.
     Deciding,
     /// Inserting.
@@ -54,10 +58,10 @@ const KINDS: [&str; NEXT_PROBES + DECISIONS - PROBES] = {
 };
 // The places of the first of each row.
 const PROBES: usize = 1;
-const DECISIONS: usize = 13;
-const RELEASES: usize = 16;
-const NEXT_KEYS: usize = 19;
-const NEXT_PROBES: usize = 20;
+const DECISIONS: usize = 16;
+const RELEASES: usize = 20;
+const NEXT_KEYS: usize = 23;
+const NEXT_PROBES: usize = 24;
 
 impl Stage {
     /// The kinds of which none may be under way while a worker is in this stage. One that has not
@@ -68,7 +72,7 @@ impl Stage {
             Self::Counting if keeps => &KINDS[PROBES..RELEASES],
             Self::Counting => &KINDS[DECISIONS..RELEASES],
             Self::Choosing if keeps => &KINDS[DECISIONS..NEXT_PROBES],
-            Self::Choosing => &KINDS[RELEASES..NEXT_PROBES],
+            Self::Choosing | Self::Parting => &KINDS[RELEASES..NEXT_PROBES],
             Self::Deciding => &KINDS[RELEASES..],
             Self::Inserting if keeps => &KINDS[RELEASES..],
             Self::Inserting => &KINDS[NEXT_PROBES..],

@@ -14,16 +14,16 @@ impl Delegated<'_> {
         let (asked, refused) = (handed.asked.clone(), handed.refused.clone());
         let (candidates, blocks) = (handed.candidates, handed.blocks.clone());
         let tets = handed.refused_tets.clone();
+        let spent = handed.spent;
         self.take(handed)?;
         let state = &self.run.refinement.state;
         let place = |t| TetPlace::of(state.vertices(t).map(|v| state.at(v)));
         let refused_tets = tets.into_iter().map(|(t, why)| (place(t), why)).collect();
-        let (spent, slivers) = (self.spent, None);
-        Ok(Remaining { asked, refused, refused_tets, candidates, spent, slivers, blocks })
+        Ok(Remaining { asked, refused, refused_tets, candidates, spent, slivers: None, blocks })
     }
 
     /// Goes on from where another process has taken over between two rounds, with these figures.
-    pub fn go_on_from(&mut self, left: &Remaining, stats: RefineStats) {
-        (self.spent, self.run.stats) = (left.spent, stats);
+    pub fn go_on_from(&mut self, stats: RefineStats) {
+        self.run.stats = stats;
     }
 }

@@ -10,6 +10,7 @@ use crate::protocol::{Action, Config, Correct, Event, Message, Source};
 use crate::refining::news::{NEWS_KINDS, WireItem, WireLimit};
 use ltbw_core::MeshHash;
 use ltbw_domain::{PrepareOptions, Prepared};
+use ltbw_generate::layers::stack;
 use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
 use ltbw_refine::{Carrier, Corner, Limit, Refined, Refiner};
 use std::collections::{BTreeMap, VecDeque};
@@ -65,9 +66,13 @@ impl<'c> Late<'c> {
         let counted = |of: fn(&Counts) -> i64| -> i64 {
             self.nodes.iter().map(|node| of(&node.source().counts)).sum()
         };
-        let under_way = |kinds: [&str; 2]| kinds.map(|kind| self.news.of(kind)).iter().sum();
+        let under_way = |kinds: &[&str]| kinds.iter().map(|kind| self.news.of(kind)).sum();
         let counts = [counted(|c| c.notes), counted(|c| c.asks), counted(|c| c.releases)];
-        let all = [["Void", "WantRivals"], ["Ask", "Gone"], ["Release", "Refused"]];
+        let all: [&[&str]; 3] = [
+            &["Void", "WantRivals", "Blocks"],
+            &["Ask", "Gone"],
+            &["Release", "Refused", "Unblocked"],
+        ];
         assert_eq!(counts, all.map(under_way), "notes, asks, releases; late {}", self.kind);
     }
 
@@ -127,8 +132,8 @@ fn no_message_is_behind_the_barrier_that_waits_for_it_however_late() {
     let refiner = Refiner::new().max_volume(1e-3).start(1);
     let counted = ["Void", "WantRivals", "Ask", "Gone", "Release"];
     assert!(counted.iter().all(|kind| NEWS_KINDS.contains(kind)));
-    let in_turns = ["Entrants", "Launch", "Report", "Fates"];
-    let kinds: Vec<_> = NEWS_KINDS.into_iter().filter(|kind| !in_turns.contains(kind)).collect();
+    let others = ["Entrants", "Launch", "Report", "Fates", "Waiting", "Lend", "Lent", "Parted"];
+    let kinds: Vec<_> = NEWS_KINDS.into_iter().filter(|kind| !others.contains(kind)).collect();
     let all_late = late_one_after_the_other(&refiner, &ready, &kinds, &counted);
     assert!(all_late > 10, "{all_late}");
 }
@@ -142,6 +147,18 @@ fn no_message_about_turns_is_behind_the_barrier_that_waits_for_it() {
     let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(2e-3).start(1);
     let in_turns = ["Entrants", "Launch", "Report", "Fates"];
     late_one_after_the_other(&refiner, &ready, &in_turns, &in_turns);
+}
+
+/// As above, where boundary items wait for each other.
+#[test]
+fn no_message_about_circles_is_behind_the_barrier_that_waits_for_it() {
+    let thicknesses = [29, 1, 3].map(|t| f64::from(t) / 64.0);
+    let domain = stack([1.0, 1.0], &thicknesses, true);
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let volume = thicknesses.iter().sum::<f64>() / 500.0;
+    let refiner = Refiner::new().max_volume(volume).min_dihedral(0.0).start(0);
+    let of_circles = ["Waiting", "Lend", "Lent", "Parted"];
+    late_one_after_the_other(&refiner, &ready, &of_circles, &of_circles);
 }
 
 /// Has one kind after the other come late; those of `sent_ones` are sent between workers. Returns
@@ -238,7 +255,7 @@ fn of_several_limits_for_one_item_the_smallest_holds() {
                 let news = DomainNews::Ask { item, limit, waiter: Some(waiter) };
                 source.hear(mesh, &directory, WorkerId::new(from), news);
             }
-            source.settle(&[0; SUMS]);
+            source.settle(&[0; SUMS], false);
             let kept = &source.demands.pending[&item.place()];
             assert_eq!(kept.limit, Some(all(0.25)), "{limits:?}, {is_pending}");
             let waiters = &source.demands.waiters[&item.place()];
