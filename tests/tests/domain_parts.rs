@@ -205,6 +205,6 @@ fn parts_of_domains_are_the_engines_mesh() {
             }
         }
     }
-    println!("{kept}");
-    assert!(kept >= 12, "{kept} runs have ended in parts");
+    // The others are at angles so small that something cannot be split.
+    assert!(kept >= 100, "{kept} runs have ended in parts");
 }
