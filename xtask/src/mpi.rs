@@ -360,7 +360,16 @@ pub(crate) fn begin(command: &mut Command) -> Result<Child, String> {
 }
 
 /// Waits for the end of a command.
-pub(crate) fn end(mut child: Child, patience: Duration) -> Result<Outcome, String> {
+pub(crate) fn end(child: Child, patience: Duration) -> Result<Outcome, String> {
+    end_or(child, patience, || ())
+}
+
+/// As [`end`]; `last` looks at a command that is out of time before it is ended.
+pub(crate) fn end_or(
+    mut child: Child,
+    patience: Duration,
+    last: impl FnOnce(),
+) -> Result<Outcome, String> {
     let clock = Instant::now();
     let (out, err) = (reader(child.stdout.take()), reader(child.stderr.take()));
     let status = loop {
@@ -368,6 +377,7 @@ pub(crate) fn end(mut child: Child, patience: Duration) -> Result<Outcome, Strin
             Ok(Some(status)) => break status,
             Ok(None) if clock.elapsed() < patience => std::thread::sleep(Duration::from_millis(5)),
             Ok(None) => {
+                last();
                 let ended = child.kill().and_then(|()| child.wait());
                 return Err(format!("no end after {} s ({ended:?})", patience.as_secs()));
             }

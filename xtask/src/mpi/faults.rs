@@ -122,7 +122,7 @@ fn write_program(path: &Path, bytes: &[u8]) -> Result<(), String> {
 }
 
 /// The file in which a process tells its number.
-fn file_of(bench: &Bench, rank: u32) -> PathBuf {
+pub(super) fn file_of(bench: &Bench, rank: u32) -> PathBuf {
     bench.folder.join(format!("rank-{rank}.pid"))
 }
 
