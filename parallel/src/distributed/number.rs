@@ -134,7 +134,9 @@ mod tests {
                         scope.spawn(move || {
                             let mut team = Team::new(post);
                             let is_own = |k: &usize| {
-                                k % members as usize == me || k % 4 == 0 || me == 2 && k % 3 == 0
+                                k % members as usize == me
+                                    || k.is_multiple_of(4)
+                                    || me == 2 && k.is_multiple_of(3)
                             };
                             let all: Vec<usize> = (0..points.len()).rev().filter(is_own).collect();
                             let own: Vec<Unnumbered> = all
