@@ -96,7 +96,7 @@ pub(crate) fn one_mesh(
         let run = simulated(refiner, ready, (processors, latency));
         same(&format!("{name} on {processors} processors"), &run.refined, &engine);
         let points = run.summary.map_or(0, |summary| summary.operations());
-        assert_eq!(points, run.figures.points, "{name}");
+        assert_eq!(points, run.figures.points + run.figures.parted_points, "{name}");
         ending = Some(run.ending);
     }
     ending.expect("a run")

@@ -150,9 +150,9 @@ fn tell(
     let inside = refined.inside();
     let hash = hash_of(&inside.points, &inside.tets)?;
     let vertices = refined.mesh().num_vertices();
-    let by_all = figures.points as usize;
+    let by_all = (figures.points + figures.parted_points) as usize;
     let [rounds, segments, facets, inside] = figures.rounds;
-    let after = vertices - refined.stats.round_points as usize;
+    let after = vertices - (refined.stats.round_points + figures.parted_points) as usize;
     let (layout, config) = planned(args, after, args.processors);
     let around = Around {
         points: (vertices - by_all) as u64,

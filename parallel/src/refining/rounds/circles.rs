@@ -141,6 +141,7 @@ impl<C: Rules> Rounds<C> {
         self.figures.parted += 1;
         self.spent = told.spent as usize;
         self.budget.total += told.points.len() as i64;
+        self.figures.parted_points += told.points.len() as u64;
         let points: Vec<Point> = told.points.iter().map(|own| point(&own.at)).collect();
         self.barriers.all.retain(|own| !points.iter().any(|p| own.0.is_touched_by(p)));
         let ended: BTreeSet<_> = told.ended.iter().copied().collect();

@@ -53,6 +53,8 @@ pub struct RoundFigures {
     pub points: u64,
     /// Times that circles were split.
     pub parted: u64,
+    /// Points inserted for that, beside those of rounds.
+    pub parted_points: u64,
     /// Closures searched by this worker's probes.
     pub searches: u64,
     /// The number of these that were found ahead, while others were waited for. It depends on the
