@@ -25,7 +25,7 @@ const JOBS: [&[&str]; 4] = [
 const RANKS: [u32; 3] = [2, 3, 4];
 
 /// The latest letter at which a process panics.
-const LETTERS: u64 = 4000;
+const LETTERS: u64 = 600;
 
 /// The delays of mails, in microseconds.
 const LATE: [&str; 3] = ["0", "0", "300"];
