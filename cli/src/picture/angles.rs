@@ -1,6 +1,6 @@
 //! Tetrahedra by their smallest dihedral angle, before slivers are split and after.
 
-use super::axes::{number, ticks};
+use super::axes::{Frame, number};
 use ltbw::quality::LeastAngles;
 use std::fmt::Write as _;
 
@@ -45,6 +45,7 @@ pub(crate) fn split_text(below: f64, before: u64, left: u64) -> Option<String> {
 pub(super) fn panel(svg: &mut String, after: &LeastAngles, slivers: &Slivers) {
     let [left, right, top, bottom] = ROOM;
     let (floor, wide, high) = (HEIGHT - bottom, WIDTH - left - right, HEIGHT - top - bottom);
+    let frame = Frame { left, wide, floor };
     let text = slivers.text(after).map_or(String::new(), |text| format!("; {text}"));
     let _ = writeln!(
         svg,
@@ -63,14 +64,7 @@ pub(super) fn panel(svg: &mut String, after: &LeastAngles, slivers: &Slivers) {
     for power in 0..=most.log10() as u32 {
         let count = 10u64.pow(power);
         let y = floor - height(count);
-        let _ = writeln!(
-            svg,
-            "<line x1=\"{left}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\" stroke=\"#ddd\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{count}</text>",
-            left + wide,
-            left - 6.0,
-            y + 4.0
-        );
+        frame.row(svg, y, &count.to_string());
     }
     let step = wide / LeastAngles::HIGH;
     for (k, &count) in after.counts().iter().enumerate() {
@@ -90,22 +84,7 @@ pub(super) fn panel(svg: &mut String, after: &LeastAngles, slivers: &Slivers) {
     if let Some(before) = before {
         outline(svg, before, |k, count| [left + k as f64 * step, floor - height(count)]);
     }
-    for value in ticks(0.0, LeastAngles::HIGH, 12) {
-        let x = left + value * step;
-        let _ = writeln!(
-            svg,
-            "<line x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{floor}\" y2=\"{:.1}\" stroke=\"#555\"/>\
-             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-            floor + 4.0,
-            floor + 17.0,
-            number(value)
-        );
-    }
-    let _ = writeln!(
-        svg,
-        "<line x1=\"{left}\" x2=\"{:.1}\" y1=\"{floor}\" y2=\"{floor}\" stroke=\"#555\"/>",
-        left + wide
-    );
+    frame.axis(svg, [0.0, LeastAngles::HIGH], 12);
 }
 
 /// A line along the tops of the bars that were there before, and what it is.

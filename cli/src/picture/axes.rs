@@ -1,4 +1,50 @@
-//! Numbers at the axes of pictures.
+//! The axes of pictures, and the numbers there.
+
+use std::fmt::Write as _;
+
+/// The place of a picture's bars. Writing to a string cannot fail.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub(super) left: f64,
+    pub(super) wide: f64,
+    pub(super) floor: f64,
+}
+
+impl Frame {
+    /// A line across the picture, and what it stands for.
+    pub(super) fn row(&self, svg: &mut String, y: f64, text: &str) {
+        let Self { left, wide, .. } = self;
+        let _ = writeln!(
+            svg,
+            "<line x1=\"{left}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\" stroke=\"#ddd\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
+            left + wide,
+            left - 6.0,
+            y + 4.0
+        );
+    }
+
+    /// The axis below the bars, from one value to another, with about as many numbers as wanted.
+    pub(super) fn axis(&self, svg: &mut String, [low, high]: [f64; 2], wanted: usize) {
+        let Self { left, wide, floor } = self;
+        for value in ticks(low, high, wanted) {
+            let x = left + (value - low) / (high - low) * wide;
+            let _ = writeln!(
+                svg,
+                "<line x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{floor}\" y2=\"{:.1}\" stroke=\"#555\"/>\
+                 <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+                floor + 4.0,
+                floor + 17.0,
+                number(value)
+            );
+        }
+        let _ = writeln!(
+            svg,
+            "<line x1=\"{left}\" x2=\"{:.1}\" y1=\"{floor}\" y2=\"{floor}\" stroke=\"#555\"/>",
+            left + wide
+        );
+    }
+}
 
 /// Round numbers from `low` to `high`, about as many as wanted; none if the range is none.
 pub(super) fn ticks(low: f64, high: f64, wanted: usize) -> Vec<f64> {

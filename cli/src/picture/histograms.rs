@@ -1,7 +1,7 @@
 //! Histograms of quality as one picture, with axes.
 
 use super::angles::{self, Slivers};
-use super::axes::{number, ticks};
+use super::axes::{Frame, number, ticks};
 use ltbw::quality::{Histogram, Quality};
 use std::fmt::Write as _;
 
@@ -36,6 +36,7 @@ pub(crate) fn svg(quality: &Quality, slivers: &Slivers) -> String {
 fn panel(svg: &mut String, h: &Histogram) {
     let [left, right, top, bottom] = ROOM;
     let (floor, wide, high) = (HEIGHT - bottom, WIDTH - left - right, HEIGHT - top - bottom);
+    let frame = Frame { left, wide, floor };
     let _ = writeln!(
         svg,
         "<text x=\"{left}\" y=\"16\" font-weight=\"bold\">{}</text>\n\
@@ -49,15 +50,7 @@ fn panel(svg: &mut String, h: &Histogram) {
     let most = rows.last().copied().unwrap_or(counted).max(counted);
     for value in &rows {
         let y = floor - value / most * high;
-        let _ = writeln!(
-            svg,
-            "<line x1=\"{left}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\" stroke=\"#ddd\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-            left + wide,
-            left - 6.0,
-            y + 4.0,
-            number(*value)
-        );
+        frame.row(svg, y, &number(*value));
     }
     let step = wide / h.counts.len().max(1) as f64;
     for (i, &count) in h.counts.iter().enumerate() {
@@ -86,22 +79,7 @@ fn panel(svg: &mut String, h: &Histogram) {
             step * 0.92
         );
     }
-    for value in ticks(h.low, h.high, 6) {
-        let x = left + (value - h.low) / (h.high - h.low) * wide;
-        let _ = writeln!(
-            svg,
-            "<line x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{floor}\" y2=\"{:.1}\" stroke=\"#555\"/>\
-             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-            floor + 4.0,
-            floor + 17.0,
-            number(value)
-        );
-    }
-    let _ = writeln!(
-        svg,
-        "<line x1=\"{left}\" x2=\"{:.1}\" y1=\"{floor}\" y2=\"{floor}\" stroke=\"#555\"/>",
-        left + wide
-    );
+    frame.axis(svg, [h.low, h.high], 6);
 }
 
 #[cfg(test)]
