@@ -56,7 +56,6 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         binding: Binding { inputs: Vec::new(), options },
         stop: &stop,
         start,
-        others: None,
     };
     let job = Job {
         task,

@@ -95,7 +95,6 @@ pub(crate) fn mesh_from(
             binding: binding(args, asked, flat_tolerance, source.reads()),
             stop: &stop,
             start,
-            others,
         },
         asked,
         field,
@@ -111,6 +110,8 @@ pub(crate) fn mesh_from(
     };
     if let Some(others) = others {
         others.agree(crate::binding::fingerprint(&job.task.binding.inputs))?;
+        #[cfg(feature = "wire")]
+        return apart_domain::mesh(others.apart(), &ready, &job, begin(&ready, &job));
     }
     mesh_domain(&ready, &job)
 }
@@ -118,12 +119,7 @@ pub(crate) fn mesh_from(
 /// Refines a prepared domain, checks the mesh, writes and reports.
 pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failure> {
     let task = &job.task;
-    let mut seconds = Seconds { read: task.start.elapsed().as_secs_f64(), ..Seconds::default() };
-    print_domain(task.name, ready);
-    #[cfg(feature = "wire")]
-    if let Some(others) = task.others {
-        return apart_domain::mesh(others.apart(), ready, job, seconds);
-    }
+    let mut seconds = begin(ready, job);
     let clock = Instant::now();
     let progress = Progress::begin("recover", task.stop.begun());
     let setting = Setting { name: task.name, stop: task.stop };
@@ -131,6 +127,13 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     drop(progress);
     seconds.refine = clock.elapsed().as_secs_f64();
     finish(ready, job, Meshed { refined, made, seconds, late: None })
+}
+
+/// Tells of a prepared domain, and the time that it has taken to read.
+fn begin(ready: &Prepared, job: &Job<'_>) -> Seconds {
+    let read = job.task.start.elapsed().as_secs_f64();
+    print_domain(job.task.name, ready);
+    Seconds { read, ..Seconds::default() }
 }
 
 fn print_domain(name: &Path, ready: &Prepared) {

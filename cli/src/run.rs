@@ -84,7 +84,6 @@ pub(crate) fn delaunay(args: &Delaunay, others: Others<'_>) -> Result<Exit, Fail
         binding: Binding::default(),
         stop: &stop,
         start,
-        others,
     };
     #[cfg(feature = "wire")]
     if let Some(others) = others {

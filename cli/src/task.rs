@@ -5,7 +5,6 @@ use crate::args::Depth;
 use crate::binding::Binding;
 use crate::console::{self, Stop};
 use crate::json::{distinct, file_writable, keep_input, without_pairs, write_text};
-use crate::others::Others;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
 use crate::progress::Stage;
@@ -87,8 +86,6 @@ pub(crate) struct Task<'a> {
     pub(crate) stop: &'a Stop,
     /// The start of the program.
     pub(crate) start: Instant,
-    /// The processes that mesh together, if there are several.
-    pub(crate) others: Others<'a>,
 }
 
 impl Task<'_> {
