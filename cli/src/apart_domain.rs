@@ -193,6 +193,9 @@ fn check(
     let same = same_volume(ready, &found);
     let told = whole.slivers.len() as u64;
     let all_told = found.below_dihedral.as_ref().is_none_or(|small| small.count == told);
+    if !all_told {
+        console::people("defect    other tetrahedra have small dihedral angles than those told");
+    }
     let has_passed = found.passed() && same && all_told;
     let flat = whole.slivers.iter().filter(|own| own.angle < Sliver::FLAT).count();
     let share = ExcusedShare { flat, ..ExcusedShare::default() };

@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 struct Figures {
     tets: u64,
     /// Of each histogram.
-    counts: Vec<Vec<u64>>,
+    counts: [Vec<u64>; 4],
     least_angles: LeastAngles,
     /// Values, each with its tetrahedron by numbers: of each histogram the least and the largest
     /// one, then the smallest scaled Jacobian.
-    extremes: Vec<(f64, [u32; 4])>,
+    extremes: [(f64, [u32; 4]); 9],
     small: [u64; 2],
 }
 
@@ -25,18 +25,18 @@ impl Figures {
         let extreme = |own: &Extreme| (own.value, tet(own.tet));
         Self {
             tets: own.tets as u64,
-            counts: own.histograms().map(|own| own.counts.clone()).into(),
+            counts: own.histograms().map(|own| own.counts.clone()),
             least_angles: own.least_angles,
-            extremes: extremes(&mut own.clone()).map(|own| extreme(own)).into(),
+            extremes: extremes(&mut own.clone()).map(|own| extreme(own)),
             small: own.small,
         }
     }
 
     /// Adds those of another part. Of equal extremes that of the first tetrahedron counts.
     fn add(&mut self, other: &Self) {
-        self.tets += other.tets;
+        self.tets = self.tets.saturating_add(other.tets);
         for (own, other) in self.counts.iter_mut().zip(&other.counts) {
-            own.iter_mut().zip(other).for_each(|(own, more)| *own += more);
+            own.iter_mut().zip(other).for_each(|(own, more)| *own = own.saturating_add(*more));
         }
         self.least_angles = self.least_angles.merged(other.least_angles);
         for (k, (own, other)) in self.extremes.iter_mut().zip(&other.extremes).enumerate() {
@@ -49,7 +49,10 @@ impl Figures {
                 *own = *other;
             }
         }
-        self.small.iter_mut().zip(other.small).for_each(|(own, more)| *own += more);
+        self.small
+            .iter_mut()
+            .zip(other.small)
+            .for_each(|(own, more)| *own = own.saturating_add(more));
     }
 }
 

@@ -144,7 +144,9 @@ impl Asked {
                 "--seed" => own.seed = number(value()?)?,
                 "--ranks" => {
                     let list = value()?.split(',').map(number).collect::<Result<Vec<u64>, _>>()?;
-                    own.ranks = list.into_iter().map(|count| count.max(1) as u32).collect();
+                    let count = |count: u64| u32::try_from(count).ok().filter(|&own| own > 0);
+                    let ranks: Option<Vec<u32>> = list.into_iter().map(count).collect();
+                    own.ranks = ranks.ok_or_else(|| usage.to_owned())?;
                 }
                 _ => return Err(usage.to_owned()),
             }
@@ -270,37 +272,6 @@ impl Bench {
             }
         }
         println!("{what}: read back");
-        match input.arguments.first().is_some_and(|command| command == "mesh") {
-            true if alone.code == Some(0) => self.same_files(input, count, &what),
-            _ => Ok(()),
-        }
-    }
-
-    /// Compares files of parts of a domain with those of as many workers of one process.
-    fn same_files(&self, input: &Input, count: u32, what: &str) -> Result<(), String> {
-        let other = self.folder.join("workers");
-        let told = |error: std::io::Error| format!("{what}: {error}");
-        _ = fs::remove_dir_all(&other);
-        fs::create_dir_all(&other).map_err(told)?;
-        let mut words = input.arguments.clone();
-        words.extend(words_of(&["--workers", &count.to_string()]));
-        IN_PARTS
-            .iter()
-            .for_each(|name| words.extend(words_of(&["-o", &format!("workers/{name}")])));
-        let outcome = self.ltbw(&words)?;
-        if outcome.code != Some(0) {
-            return Err(format!("{what}: {:?}\n{}", outcome.code, outcome.stderr));
-        }
-        let mut files = 0;
-        for entry in fs::read_dir(&other).map_err(told)? {
-            let name = entry.map_err(told)?.file_name();
-            let [own, other] = [self.folder.join(&name), other.join(&name)].map(fs::read);
-            if own.map_err(told)? != other.map_err(told)? {
-                return Err(format!("{what}: {} is not what workers write", name.display()));
-            }
-            files += 1;
-        }
-        println!("{what}: {files} files as workers write them");
         Ok(())
     }
 

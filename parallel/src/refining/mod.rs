@@ -44,7 +44,7 @@ pub enum RefineError {
     /// The domain has no mesh.
     #[error(transparent)]
     Domain(#[from] ltbw_refine::RefineError),
-    /// The domain has no mesh to start with, or one that only the rounds can refine.
+    /// The domain has no mesh that several processors could start with.
     #[error(transparent)]
     Complex(#[from] ltbw_refine::ComplexError),
     /// The threads have not ended properly.

@@ -121,6 +121,12 @@ pub(crate) fn run(bench: &Bench, count: u64, seed: u64) -> Result<(), String> {
                 *ends.entry((fault, outcome.code)).or_default() += 1;
                 longest = longest.max(since.elapsed().as_secs_f64());
                 wrong.extend(amiss(&outcome, fault, own).map(|why| format!("{name}: {why}")));
+                let clock = Instant::now();
+                while living_of(bench, ranks) > 0 && clock.elapsed() < PATIENCE {
+                    std::thread::sleep(Duration::from_millis(20));
+                }
+                let left = living_of(bench, ranks);
+                wrong.extend((left > 0).then(|| format!("{name}: {left} processes live on")));
             }
             Err(why) => {
                 *ends.entry((fault, None)).or_default() += 1;

@@ -30,8 +30,8 @@ pub enum ComplexError {
     /// There is no mesh to start with.
     #[error(transparent)]
     Refine(#[from] RefineError),
-    /// The domain, or its bounds, are of a kind that only the sequential engine deals with.
-    #[error("{0}: only the rounds deal with that")]
+    /// Its mesh is in a state that only one processor deals with.
+    #[error("{0}")]
     Unsupported(&'static str),
 }
 

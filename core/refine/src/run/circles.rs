@@ -168,7 +168,9 @@ impl Complex<'_> {
         let unfit = RefineError::Invariant { what: "what is lent is a part of a Delaunay mesh" };
         let points: Vec<Point> = lent.corners.iter().map(|own| own.point).collect();
         let (count, set) = (points.len(), PointSet::new(points)?);
-        if set.mode() != Mode::Normal {
+        let is_vertex = |k: u32| k == NOWHERE || (k as usize) < count;
+        let all_are = lent.tets.iter().flat_map(|own| own.v).all(is_vertex);
+        if set.mode() != Mode::Normal || !all_are {
             return Err(unfit);
         }
         let mesh = Builder::new().build(&set)?.mesh;
@@ -230,6 +232,7 @@ impl Borrowed<'_> {
         let mut changed = Vec::new();
         let mut stays: Set<usize> = Set::default();
         let state = &self.own.state;
+        let has_patches = state.plc.has_patches();
         for t in state.mesh.tet_ids().filter(|&t| !state.has_filling(t)) {
             let (v, region) = (state.vertices(t), state.marks.region(t));
             let place = self.places.get(&key(v)).copied();
@@ -238,12 +241,14 @@ impl Borrowed<'_> {
                 let place = TetPlace::of(v.map(|v| state.at(v)));
                 parted.labels.push(Labelled { place, region });
             }
-            if let Some(place) = place.filter(|&place| lent.tets[place].region != region) {
-                parted.relabelled.push(place);
+            let relabelled = place.filter(|&place| lent.tets[place].region != region);
+            parted.relabelled.extend(relabelled);
+            if relabelled.is_some() || place.is_none() && has_patches {
                 changed.push(t);
             }
         }
-        // Dust that goes to the other side of its patch has looked at tetrahedra two away.
+        // Dust that goes to the other side of its patch has looked at tetrahedra two away, and so
+        // has what is new at a patch.
         let beside: Vec<TetId> = changed.iter().flat_map(|&t| state.neighbours(t)).collect();
         changed.extend(beside);
         if self.own.state.filling_around(&changed).is_some() {

@@ -178,8 +178,7 @@ impl<'a> Delegated<'a> {
     /// a circle: for others that cannot do that.
     ///
     /// # Errors
-    /// As of [`Delegated::complex`], or if there are patches or small angles, before anything is
-    /// split; a run that stops while these are, or a broken invariant.
+    /// As of [`Delegated::complex`]; a run that stops while items are split, or a broken invariant.
     pub fn complex_without_circles(&mut self) -> Result<(Complex<'a>, Start), ComplexError> {
         self.check_fit()?;
         self.run.part_circles()?;

@@ -13,6 +13,9 @@ use rustc_hash::FxHashMap;
 /// The radius around an item in which vertices are lent first, over that of its corners.
 const REACH: f64 = 3.0;
 
+/// No vertex lent has this number: what is lent with it is refused.
+const UNKNOWN: u32 = NOWHERE - 1;
+
 /// The knowledge that a worker has of circles.
 #[derive(Debug, Default)]
 pub(super) struct Circles {
@@ -22,6 +25,8 @@ pub(super) struct Circles {
     pub(super) parted: Option<Box<WireParted>>,
     /// The conductor's: workers that have still to tell or to lend.
     pub(super) awaited: u32,
+    /// The times that it has asked for what lies somewhere.
+    pub(super) loans: u32,
     /// Items that wait.
     pub(super) asked: Vec<Asked>,
     /// The balls asked for.
@@ -49,8 +54,12 @@ impl Circles {
             })
         };
         let numbers: Vec<u32> = part.corners.iter().map(&mut number).collect();
+        let number = |k: u32| match k {
+            NOWHERE => NOWHERE,
+            k => numbers.get(k as usize).copied().unwrap_or(UNKNOWN),
+        };
         for WireLent { v, region, slot } in part.tets {
-            let v = v.map(|k| if k == NOWHERE { NOWHERE } else { numbers[k as usize] });
+            let v = v.map(number);
             self.lent.tets.push(LentTet { v, region });
             self.owners.push(Owned { owner: from, tet: slot });
         }

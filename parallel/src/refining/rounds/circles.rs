@@ -22,6 +22,9 @@ use ltbw_refine::{Asked, NOWHERE, Parting, TetPlace, Waits, circles_among};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeSet;
 
+/// The times that the conductor asks for more before the engine splits the circles.
+const MOST_LOANS: u32 = 64;
+
 impl<C: Rules> Rounds<C> {
     /// All items that are left wait for each other: tells the conductor of those kept here.
     pub(super) fn enter_circles(&mut self) {
@@ -40,7 +43,7 @@ impl<C: Rules> Rounds<C> {
         if own.awaited == 0 {
             own.awaited = workers;
         }
-        own.awaited -= 1;
+        own.awaited = own.awaited.saturating_sub(1);
         own.asked.extend(all.iter().map(WireAsked::asked));
         if own.awaited == 0 {
             let circles = circles_among(&own.asked);
@@ -52,6 +55,7 @@ impl<C: Rules> Rounds<C> {
     /// The conductor asks all for what lies in some balls.
     fn borrow(&mut self, balls: Vec<Ball>) {
         self.circles.awaited = self.workers;
+        self.circles.loans += 1;
         self.circles.balls.extend(&balls);
         for to in (0..self.workers).map(WorkerId::new) {
             self.send(to, DomainNews::Lend(balls.clone()));
@@ -100,7 +104,9 @@ impl<C: Rules> Rounds<C> {
     /// The conductor is lent a worker's part. When it has all it splits the circles, or asks for
     /// more.
     pub(super) fn take_lent(&mut self, mesh: &mut DomainMesh<'_>, from: WorkerId, part: WirePart) {
-        self.circles.awaited -= 1;
+        // Nobody is to lend what he was not asked for.
+        let Some(awaited) = self.circles.awaited.checked_sub(1) else { return };
+        self.circles.awaited = awaited;
         self.circles.enter(from, part);
         if self.circles.awaited > 0 {
             return;
@@ -117,8 +123,7 @@ impl<C: Rules> Rounds<C> {
             Ok(Parting::Done(parted)) => Some(own.wire(parted)),
             Ok(Parting::Beyond(missed)) => {
                 let balls = own.new_balls(&missed);
-                // Ends: there are finitely many vertices.
-                if !balls.is_empty() {
+                if !balls.is_empty() && own.loans < MOST_LOANS {
                     return self.borrow(balls);
                 }
                 None
