@@ -388,7 +388,7 @@ fn workers_refine_a_domain_without_rounds() {
     assert!(report["certificate"]["binding"]["options"].get("mode").is_none());
     let run = ltbw(dir.path(), &["mesh", "d.poly", "--mode", "async"]);
     assert_eq!(run.code, 2, "{}", run.stderr);
-    // What is at small angles is left to one processor, and that is told.
+    // Points at small angles are left to one processor, and that is told.
     let run = ltbw(dir.path(), &["generate", "wedge", "--angle", "5", "-o", "w.poly"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let mesh = ["mesh", "w.poly", "--max-volume", "1e-5"];

@@ -30,7 +30,7 @@ const FIGURES: [&str; 3] = ["makespan, ms", "messages", "setbacks"];
 /// Makespan in milliseconds, messages and setbacks.
 type Figures = [f64; 3];
 
-/// What is simulated; times in the simulator's microseconds.
+/// A run to be simulated; times in the simulator's microseconds.
 #[derive(Clone, Copy)]
 struct Simulated<'a> {
     points: &'a str,

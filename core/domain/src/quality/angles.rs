@@ -60,7 +60,7 @@ impl Normals {
     /// The error of a squared cosine is smaller where normals are sure.
     pub const MARGIN: f64 = 1.0 / (1u64 << 24) as f64;
 
-    /// Those of a tetrahedron with these corners.
+    /// The normals of a tetrahedron with these corners.
     #[inline(always)]
     #[must_use]
     pub fn of([p, q, r, s]: [&Point; 4]) -> Self {

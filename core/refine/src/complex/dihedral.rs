@@ -58,7 +58,7 @@ impl DihedralBound {
         !self.is_surely_met(corners) && self.sharpest_if_met(corners).is_none()
     }
 
-    /// What [`Normals::sharpest`] tells, if no dihedral angle of a tetrahedron is below the bound.
+    /// The value of [`Normals::sharpest`], if no angle of a tetrahedron is below the bound.
     pub(crate) fn sharpest_if_met(&self, corners: [&Point; 4]) -> Option<f64> {
         let normals = Normals::of(corners);
         let sharpest = normals.sharpest();

@@ -196,7 +196,7 @@ struct Trying {
     gives_way: bool,
 }
 
-/// What keeps points inside away from a sliver.
+/// The items that keep points inside away from a sliver.
 #[derive(Default)]
 struct Barred {
     /// The items.

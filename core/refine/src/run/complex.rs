@@ -83,7 +83,7 @@ impl Refinement<'_> {
         first.keys().filter(is_in_circle).copied().collect()
     }
 
-    /// Is an item of a patch, or at a small angle? Those who refine without rounds leave it.
+    /// Is an item of a patch, or at a small angle? Refinement without rounds leaves it.
     fn is_delicate(&self, item: Item) -> bool {
         let State { plc, angles, segments, subfaces, .. } = &self.state;
         let has = |corner: u32| self.state.has_corner(item, corner);

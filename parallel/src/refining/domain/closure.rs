@@ -37,7 +37,7 @@ pub(super) enum LockedRuling {
     Defer(Located),
     /// It does not do what it was made for; another one may.
     Useless,
-    /// Only those who have labels and limits may judge: it is left to the engine.
+    /// Labels and limits are needed to judge: it is left to the engine.
     Leave,
 }
 

@@ -2,7 +2,8 @@
 
 use super::Left;
 use super::demands::Pending;
-use super::source::{RoundFigures, Rounds};
+use super::figures::RoundFigures;
+use super::source::Rounds;
 use crate::protocol::Rules;
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::INFINITE;

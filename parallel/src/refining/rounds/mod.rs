@@ -17,6 +17,7 @@
 //! |---|---|
 //! | `source` | what a worker knows and is told |
 //! | `stages` | the stages of a round |
+//! | `figures` | the figures of rounds, and how they end |
 //! | `mail` | news on their way out |
 //! | `tree` | barriers with sums |
 //! | `under_way` | which messages a barrier waits for |
@@ -53,6 +54,7 @@ mod conduct;
 mod contest;
 mod decide;
 mod demands;
+mod figures;
 mod found;
 mod here;
 mod keys;
@@ -78,12 +80,13 @@ mod turns;
 mod under_way;
 mod way;
 
+pub use figures::{Ending, RoundFigures};
 #[cfg(feature = "wire")]
 pub use parts::{Late, RefinedPart, RefinedWhole, SliverThere};
 #[cfg(feature = "wire")]
 pub use ranks::{Checkpoints, LateSteps, TeamRounds, Wishes, rounds_on_team};
 pub use reserved::unkilled;
-pub use source::{Ending, RoundFigures, Rounds};
+pub use source::Rounds;
 pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
 
 use super::RefineError;

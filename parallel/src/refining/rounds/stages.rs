@@ -17,8 +17,9 @@
 
 use super::candidate::{Probe, What};
 use super::demands::Settled;
+use super::figures::Ending;
 use super::keys::Foremost;
-use super::source::{Ending, Rounds, Stage};
+use super::source::{Rounds, Stage};
 use super::tree::{SENT, Step, TAKEN, is_quiet};
 use crate::protocol::{Directory, Rules, Standing, WorkerId};
 use crate::refining::domain::DomainMesh;
