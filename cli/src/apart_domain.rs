@@ -4,7 +4,7 @@
 
 use crate::apart::write_pieces;
 use crate::args::Depth;
-use crate::conform::{certificate, own_limits, print, same_volume, summary};
+use crate::conform::{certificate, own_limits, print, same_volume, summary, tells_all_slivers};
 use crate::console;
 use crate::domain_job::Job;
 use crate::domain_report::Told;
@@ -191,11 +191,7 @@ fn check(
     let mut found = others.conforms(&own, &plc, &limits, &options)?;
     drop(stage);
     let same = same_volume(ready, &found);
-    let told = whole.slivers.len() as u64;
-    let all_told = found.below_dihedral.as_ref().is_none_or(|small| small.count == told);
-    if !all_told {
-        console::people("defect    other tetrahedra have small dihedral angles than those told");
-    }
+    let all_told = tells_all_slivers(whole.slivers.len(), &found);
     let has_passed = found.passed() && same && all_told;
     let flat = whole.slivers.iter().filter(|own| own.angle < Sliver::FLAT).count();
     let share = ExcusedShare { flat, ..ExcusedShare::default() };

@@ -122,16 +122,20 @@ struct Made {
 }
 
 impl Ended<'_, '_> {
-    /// Why this member cannot keep its part, if it cannot.
-    pub(super) fn why_whole(&self, delegated: &Delegated<'_>) -> Option<Late> {
+    /// Looks at this part once more. If this member can keep it these tetrahedra may be slivers,
+    /// which the domain asks for.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub(super) fn look(&self, delegated: &Delegated<'_>) -> Result<Vec<TetId>, Late> {
         let Left { asked, refused, refused_tets, ending, .. } = self.left;
         let complex = &self.mesh.complex;
         match () {
-            () if *ending != Some(Ending::Done) => return Some(Late::Stopped),
-            () if complex.has_patches() => return Some(Late::Patches),
-            () if !delegated.may_stay() => return Some(Late::Smoothing),
+            () if *ending != Some(Ending::Done) => return Err(Late::Stopped),
+            () if complex.has_patches() => return Err(Late::Patches),
+            () if !delegated.may_stay() => return Err(Late::Smoothing),
             () if !(asked.is_empty() && refused.is_empty() && refused_tets.is_empty()) => {
-                return Some(Late::Refused);
+                return Err(Late::Refused);
             }
             () => {}
         }
@@ -144,22 +148,19 @@ impl Ended<'_, '_> {
             complex.is_sliver(corners, self.mesh.region(t))
         };
         match () {
-            () if amiss.is_over => Some(Late::Refused),
-            () if amiss.thin.iter().any(is_open) => Some(Late::Slivers),
-            () => None,
+            () if amiss.is_over => Err(Late::Refused),
+            () if amiss.thin.iter().any(is_open) => Err(Late::Slivers),
+            () => Ok(amiss.thin),
         }
     }
 
-    /// The slivers of this part, which the domain asks for.
-    fn slivers(&self, numbers: &[Vertex], fine_step: f64) -> Vec<SliverThere> {
+    /// The slivers of this part, which the domain asks for, of tetrahedra that may be some.
+    fn slivers(&self, thin: &[TetId], numbers: &[Vertex], fine_step: f64) -> Vec<SliverThere> {
         if !self.mesh.complex.has_angles() {
             return Vec::new();
         }
         let tets = self.mesh.inner.tets();
-        let finite = tets.tets().filter(|(_, v)| v[3] != INFINITE);
-        let all = finite.map(|(t, v)| (t, v.map(|v| self.mesh.point(v)), self.mesh.region(t)));
-        let thin = self.mesh.complex.amiss(all).thin.into_iter();
-        let sliver = |t: TetId| {
+        let sliver = |&t: &TetId| {
             let v = tets.vertices(t);
             let found = self.mesh.complex.thin_tet(v.map(|v| self.mesh.corner(v)))?;
             let sum = v.iter().fold([0.0; 3], |sum, &v| {
@@ -173,7 +174,7 @@ impl Ended<'_, '_> {
                 near: found.near,
             })
         };
-        thin.filter_map(sliver).collect()
+        thin.iter().filter_map(sliver).collect()
     }
 
     /// Makes the part, with the others.
@@ -196,7 +197,7 @@ impl Ended<'_, '_> {
             tets: list.len() as u64,
             hull_faces: tets.tets().filter(|(_, v)| v[3] == INFINITE).count() as u64,
             figures: self.left.figures,
-            slivers: self.slivers(&of, own.fine_step),
+            slivers: self.slivers(&own.thin, &of, own.fine_step),
             before_slivers: self.left.before_slivers,
         };
         let all: Vec<Made> = team.gather_all(&made)?;
@@ -360,6 +361,8 @@ pub(super) struct Own<'m> {
     /// The figures when these rounds began.
     pub(super) begin: RoundFigures,
     pub(super) fine_step: f64,
+    /// The tetrahedra that may be slivers.
+    pub(super) thin: Vec<TetId>,
     /// Markers of the domain's facets in place of their own.
     pub(super) markers: Option<&'m [i32]>,
 }

@@ -240,12 +240,14 @@ impl<P: Post> Member<'_, '_, P> {
             return Ok(Stays::Not(Late::Asked));
         }
         let ended = Ended { mesh: &rest.mesh, left: &rest.left, start };
+        let look = ended.look(delegated);
         let all: Vec<Option<Late>> =
-            self.team.gather_all(&ended.why_whole(delegated)).map_err(of_team)?;
-        if let Some(why) = all.into_iter().flatten().min() {
-            return Ok(Stays::Not(why));
-        }
-        let own = Own { stats: self.stats, begin: resumed.figures, fine_step, markers };
+            self.team.gather_all(&look.as_ref().err().copied()).map_err(of_team)?;
+        let (thin, begin) = match (look, all.into_iter().flatten().min()) {
+            (Ok(thin), None) => (thin, resumed.figures),
+            (_, Some(why)) | (Err(why), None) => return Ok(Stays::Not(why)),
+        };
+        let own = Own { stats: self.stats, begin, fine_step, thin, markers };
         let part = ended.keep(self.team, delegated, own).map_err(of_team)?;
         Ok(Stays::Part(Box::new(part)))
     }
