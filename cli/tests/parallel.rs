@@ -312,7 +312,7 @@ fn the_simulator_refines_a_domain_without_rounds() {
 fn every_option_of_the_simulator_is_obeyed() {
     let dir = tempfile::tempdir().unwrap();
     let base = ["simulate", "--points", "600", "--processors", "3", "--json", "a.json"];
-    let options: [(&[&str], &str, Value); 14] = [
+    let options: [(&[&str], &str, Value); 15] = [
         (&["--rule", "paper"], "rule", "paper".into()),
         (&["--distribution", "exponential"], "distribution", "exponential".into()),
         (&["--closure", "vertex"], "closure", "vertex".into()),
@@ -323,6 +323,7 @@ fn every_option_of_the_simulator_is_obeyed() {
         (&["--machine", "cow", "--latency", "3us"], "latency", 3000.into()),
         (&["--machine", "cow"], "byte", 80.0.into()),
         (&["--poll-every", "8"], "poll_every", 8.into()),
+        (&["--letters"], "letters", true.into()),
         (&["--abreast", "7"], "abreast", 7.into()),
         (&["--window", "5"], "window", 5.into()),
         (&["--slow", "20"], "slow", 20.0.into()),

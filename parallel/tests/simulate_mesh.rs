@@ -70,6 +70,8 @@ fn case(seed: u64) -> (PointSet, Layout, Rule, Options) {
     };
     let options = Options {
         network,
+        letters: k % 5 == 3,
+        poll_every: 1 + k as u32 / 4 % 4,
         slow: if k.is_multiple_of(6) { vec![(WorkerId::new(1), 100.0)] } else { Vec::new() },
         storm: k.is_multiple_of(3).then_some(RandomMigrations { every: 50_000 + latency / 10 }),
         ..options(seed)
@@ -104,6 +106,27 @@ fn who_polls_seldom_has_the_same_mesh_with_fewer_polls() {
     let never = Options { poll_every: 0, ..options };
     let refused = simulate_mesh(&set, &one, Config::new(1), &never);
     assert!(matches!(refused, Err(MeshError::Simulation(SimulationError::Options(_)))));
+}
+
+/// A message of a letter costs its bytes alone, at either end, and waits for the end of its turn.
+#[test]
+fn messages_of_a_turn_go_in_letters() {
+    let set = PointSet::new(generate(PointKind::Uniform, 3000, 5)).expect("finite points");
+    let layout = Layout { ownership: Ownership::Newest, ..Layout::new(set.len(), 2) };
+    let with = |letters, send| {
+        let costs = CostModel { send, receive: send, ..CostModel::default() };
+        let own = Options { letters, costs, poll_every: 4, check_every: 50, ..options(5) };
+        run(&set, layout, Rule::WoundWait, &Options { balance: None, ..own }).summary
+    };
+    let [alone, together] = [false, true].map(|letters| with(letters, 20_000.0));
+    let talk = |run: &Summary| run.workers.iter().map(|w| w.times.communication).sum::<u64>();
+    let sent = |run: &Summary| run.messages.values().map(|kind| kind.count).sum::<u64>();
+    let each = |run: &Summary| talk(run) as f64 / sent(run) as f64;
+    assert!(1.5 * each(&together) < each(&alone), "{} {}", each(&together), each(&alone));
+    assert!(together.makespan < alone.makespan);
+    // Where messages cost nothing, to wait for the others of a turn only takes time.
+    let [alone, together] = [false, true].map(|letters| with(letters, 0.0));
+    assert!(together.makespan > alone.makespan);
 }
 
 /// Algorithm 2 polls on while there is nothing to do; a message then waits for the end of a look.

@@ -80,6 +80,9 @@ pub(crate) struct Simulate {
     #[arg(value_parser = whole::<u32>(1..=1_000_000), hide_short_help = true)]
     #[arg(allow_negative_numbers = true)]
     pub(crate) poll_every: u32,
+    /// Send the messages between two looks for messages together, as threads and processes do
+    #[arg(long, hide_short_help = true)]
+    pub(crate) letters: bool,
     /// Operations that a worker starts at most at a time
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=4096))]
     #[arg(hide_short_help = true, allow_negative_numbers = true)]

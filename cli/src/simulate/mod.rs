@@ -212,6 +212,7 @@ fn options(args: &Simulate) -> Options {
             bursts: None,
         },
         poll_every: args.poll_every,
+        letters: args.letters,
         slow: args.slow.map(|factor| (WorkerId::default(), factor)).into_iter().collect(),
         balance: args.balance.then(Balance::default),
         storm: args.storm.map(|every| RandomMigrations { every }),

@@ -21,9 +21,9 @@ pub struct CostModel {
     /// A look of a processor that has nothing else to do, and looks again and again; 0: it sleeps
     /// until a message wakes it.
     pub idle_poll: f64,
-    /// Sending a message.
+    /// Sending a message, or a letter of several.
     pub send: f64,
-    /// Receiving a message.
+    /// Receiving it.
     pub receive: f64,
     /// A byte of a message, at either end.
     pub byte: f64,
@@ -86,14 +86,15 @@ impl CostModel {
             + costs.looks as f64 * self.look
     }
 
-    /// The time that a message of `bytes` bytes takes its sender.
-    pub fn sending(&self, bytes: u64) -> f64 {
-        self.send + bytes as f64 * self.byte
+    /// The time that a message of `bytes` bytes takes its sender: its bytes alone, if it goes along
+    /// in the letter of another one.
+    pub fn sending(&self, bytes: u64, goes_along: bool) -> f64 {
+        bytes as f64 * self.byte + if goes_along { 0.0 } else { self.send }
     }
 
-    /// The time that a message of `bytes` bytes takes its receiver.
-    pub fn receiving(&self, bytes: u64) -> f64 {
-        self.receive + bytes as f64 * self.byte
+    /// The time that it takes its receiver.
+    pub fn receiving(&self, bytes: u64, goes_along: bool) -> f64 {
+        bytes as f64 * self.byte + if goes_along { 0.0 } else { self.receive }
     }
 
     /// Are all figures finite and none negative?

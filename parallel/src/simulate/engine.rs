@@ -1,5 +1,7 @@
 //! The simulator's loop.
 
+mod letters;
+
 use super::error::SimulationError;
 use super::event::{Entry, What};
 use super::network::Links;
@@ -109,6 +111,8 @@ where
                     is_busy: false,
                     looks_since: None,
                     unpolled: 0,
+                    answers: false,
+                    letters: Vec::new(),
                     slowness: options.slowness(id),
                     balancer: options.balance.map(|b| Balancer::new(b, id, count)),
                     asking: Asking::No,
@@ -185,8 +189,11 @@ where
             let to = processor.worker.id();
             processor.inbox.iter().filter_map(move |envelope| message(to, envelope))
         });
+        let held = self.processors.iter().flat_map(|processor| {
+            processor.letters.iter().filter_map(|(to, envelope)| message(*to, envelope))
+        });
         let workers = self.processors.iter().map(|processor| &processor.worker);
-        let between = Between::new(workers, flying.chain(waiting));
+        let between = Between::new(workers, flying.chain(waiting).chain(held));
         let checked = between.check().and_then(|()| self.history.look(&between));
         self.consistent(checked)
     }
@@ -264,8 +271,15 @@ where
             processor.is_busy = true;
             return self.at(looked, What::Free(id));
         }
+        if processor.is_between_turns(self.options.poll_every) {
+            self.flush(id);
+        }
+        let processor = &mut self.processors[id.index()];
         match processor.next(self.options.poll_every) {
-            Next::Rest => processor.rest(self.now, &self.options.costs),
+            Next::Rest => {
+                processor.rest(self.now, &self.options.costs);
+                self.flush(id);
+            }
             Next::GoOn => self.step(id, Event::Work, self.now, 0),
             Next::Ask => self.ask(id),
             Next::Take(envelope) => self.take(id, envelope),
@@ -289,7 +303,8 @@ where
     fn take(&mut self, id: WorkerId, envelope: Envelope<S>) {
         let begin = self.poll(id, true);
         let processor = &mut self.processors[id.index()];
-        let receiving = processor.time(self.options.costs.receiving(envelope.bytes));
+        let Envelope { bytes, goes_along, .. } = envelope;
+        let receiving = processor.time(self.options.costs.receiving(bytes, goes_along));
         let from = envelope.from;
         if let Some(balancer) = &mut processor.balancer {
             balancer.heard(from, envelope.load);
@@ -325,11 +340,12 @@ where
         let worked = begin + receiving + all;
         let load = processor.worker.source().left();
         let mut end = worked;
-        for action in &actions {
-            if let Action::Send { message, .. } = action {
+        for (k, action) in actions.iter().enumerate() {
+            if let Action::Send { to, message } = action {
                 count_news(message, &mut self.news, 1);
                 let bytes = bytes::<S>(message);
-                end += processor.time(self.options.costs.sending(bytes));
+                let goes_along = self.options.letters && processor.has_letter(*to, &actions[..k]);
+                end += processor.time(self.options.costs.sending(bytes, goes_along));
                 processor.collector.sent(message.kind(), bytes);
             }
         }
@@ -351,11 +367,16 @@ where
             match action {
                 Action::Send { to, message } => {
                     let bytes = bytes::<S>(&message);
-                    let processor = &self.processors[id.index()];
-                    time += processor.time(self.options.costs.sending(bytes));
-                    let envelope = Envelope { from: id, load, bytes, message: Some(message) };
-                    let arrival = self.links.arrival(id, to, time, bytes);
-                    self.at(arrival, What::Arrive(to, envelope));
+                    let processor = &mut self.processors[id.index()];
+                    let goes_along = self.options.letters && processor.has_letter(to, &[]);
+                    let message = Some(message);
+                    let envelope = Envelope { from: id, load, bytes, goes_along, message };
+                    if self.options.letters {
+                        processor.letters.push((to, envelope));
+                        continue;
+                    }
+                    time += processor.time(self.options.costs.sending(bytes, goes_along));
+                    self.post(to, envelope, time);
                 }
                 Action::Backoff { ticket, attempt } => {
                     let Options { backoff, network, .. } = self.options;
@@ -403,13 +424,13 @@ where
         let load = processor.worker.source().left();
         let whom = processor.balancer.as_mut().map_or(Vec::new(), |b| b.ask(load));
         let mut end = begin.max(self.now + 1);
-        let sending = processor.time(self.options.costs.sending(LOAD_BYTES));
+        let (bytes, goes_along) = (LOAD_BYTES, false);
+        let sending = processor.time(self.options.costs.sending(bytes, goes_along));
         for to in whom {
             end += sending;
             self.processors[id.index()].collector.sent("load", LOAD_BYTES);
-            let envelope = Envelope { from: id, load, bytes: LOAD_BYTES, message: None };
-            let arrival = self.links.arrival(id, to, end, LOAD_BYTES);
-            self.at(arrival, What::Arrive(to, envelope));
+            let envelope = Envelope { from: id, load, bytes, goes_along, message: None };
+            self.post(to, envelope, end);
         }
         self.occupy(id, begin, end);
     }

@@ -45,6 +45,9 @@ pub struct Options {
     /// A worker with work of its own looks for messages before each `poll_every`-th step of it: the
     /// paper polls after every cavity, and names over-polling as the price.
     pub poll_every: u32,
+    /// The messages of a turn, from one look for messages to the next, leave together when it is
+    /// over, as those of threads and processes do; if not, each leaves at once.
+    pub letters: bool,
     /// Stretches of time kept for a trace, per worker; 0 for no trace.
     pub spans: usize,
 }
@@ -64,6 +67,7 @@ impl Default for Options {
             patience: 3_600_000_000_000,
             check_every: 0,
             poll_every: 1,
+            letters: false,
             spans: 0,
         }
     }

@@ -12,6 +12,8 @@ pub(super) struct Envelope<S: Submesh> {
     /// The sender's points left.
     pub(super) load: u64,
     pub(super) bytes: u64,
+    /// It is in a letter that another one has begun.
+    pub(super) goes_along: bool,
     /// None: the sender has few points left and asks for a block.
     pub(super) message: Option<Message<S>>,
 }
@@ -54,6 +56,10 @@ pub(super) struct Processor<S: Submesh, Q, C> {
     pub(super) looks_since: Option<Nanos>,
     /// Steps of own work since it last looked for messages.
     pub(super) unpolled: u32,
+    /// Its last look has found messages, which it answers, one after the other.
+    pub(super) answers: bool,
+    /// Messages that leave when its turn is over, with their receivers.
+    pub(super) letters: Vec<(WorkerId, Envelope<S>)>,
     /// The factor by which it takes longer than others.
     pub(super) slowness: f64,
     pub(super) balancer: Option<Balancer>,
@@ -70,18 +76,25 @@ pub(super) struct WorkTime {
 }
 
 impl<S: Submesh, Q: Source<S> + Workload, C: Rules> Processor<S, Q, C> {
+    /// A turn is over, and the next one begins with a look for messages.
+    pub(super) fn is_between_turns(&self, poll_every: u32) -> bool {
+        let goes_on = self.unpolled + 1 < poll_every && self.worker.has_work();
+        !self.answers && !goes_on
+    }
+
     /// Messages come before local work, and set-back operations before new points; they are looked
-    /// for before each `poll_every`-th step of local work.
+    /// for before each `poll_every`-th step of local work, and all that are there are answered.
     pub(super) fn next(&mut self, poll_every: u32) -> Next<S> {
         if self.worker.is_stopped() {
             self.orders.clear();
             self.asking = Asking::No;
         }
-        if self.unpolled + 1 < poll_every && self.worker.has_work() {
+        if !self.is_between_turns(poll_every) && !self.answers {
             self.unpolled += 1;
             return Next::GoOn;
         }
         self.unpolled = 0;
+        self.answers = !self.inbox.is_empty();
         if let Some(envelope) = self.inbox.pop_front() {
             Next::Take(envelope)
         } else if let Some(ticket) = self.retries.pop_front() {

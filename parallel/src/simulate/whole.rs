@@ -79,8 +79,8 @@ impl Whole {
         let costs = &options.costs;
         let times = around.times as f64;
         let travel = |time: f64| if count > 1.0 { (times * time) as Nanos } else { 0 };
-        let out = parts(costs.sending(first), first) + costs.receiving(first);
-        let back = parts(costs.receiving(last), last) + costs.sending(last);
+        let out = parts(costs.sending(first, false), first) + costs.receiving(first, false);
+        let back = parts(costs.receiving(last, false), last) + costs.sending(last, false);
         let start = (slowness * by_one) as Nanos;
         let (distribution, gathering) = (travel(out), travel(back));
         let kernel = summary.makespan;

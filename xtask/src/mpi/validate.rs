@@ -1,10 +1,11 @@
 //! `--validate`: runs on two processes with late mails beside the simulator's word on them.
 //!
-//! The simulator's costs are those of its machine. A run on one process tells how many times slower
-//! this one is, and virtual times are multiples of that; a run on two with fewer points and no
-//! delay, what a mail costs that goes by MPI. All else is predicted.
+//! The simulator's costs are those of its machine. Runs on one process, two beside each other, as
+//! two cores share their memory, tell how many times slower this one is, and virtual times are
+//! multiples of that; a run on two with fewer points and no delay, what a letter costs that goes by
+//! MPI. All else is predicted.
 
-use super::{Bench, WATCHDOG, watched, words_of};
+use super::{Bench, WATCHDOG, begin, end, words_of};
 use std::fs;
 
 /// The delays of mails, in microseconds.
@@ -20,10 +21,10 @@ const POINTS: &str = "100000";
 const FEWER: &str = "20000";
 /// Halvings until the cost of a mail is known.
 const HALVINGS: usize = 10;
-/// The simulator's options for what processes do unless they are told otherwise: the window and the
-/// bursts of a process, which puts no point before others.
-const AS_PROCESSES: [&str; 8] =
-    ["--window", "16", "--ownership", "newest", "--poll-every", "4", "--abreast", "0"];
+/// The simulator's options for what processes do unless they are told otherwise: the window, the
+/// bursts and the letters of a process, which puts no point before others.
+const AS_PROCESSES: [&str; 9] =
+    ["--window", "16", "--ownership", "newest", "--poll-every", "4", "--abreast", "0", "--letters"];
 /// The figures, with their units.
 const FIGURES: [&str; 3] = ["makespan, ms", "messages", "setbacks"];
 
@@ -36,7 +37,7 @@ struct Simulated<'a> {
     points: &'a str,
     processors: u32,
     latency: f64,
-    /// A mail at either end.
+    /// A letter at either end.
     message: f64,
     seed: usize,
 }
@@ -51,21 +52,23 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
             return Err(made.stderr);
         }
     }
-    let alone = median(bench, POINTS, 1, 0)?[0];
+    let alone = median(bench, POINTS, Jobs { beside: 2, processes: 1, delay: 0 })?[0];
     let one = Simulated { points: POINTS, processors: 1, latency: 1e-3, message: 0.5, seed: 1 };
     let own = simulated(bench, one)?[0];
     let slower = alone / own;
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
     println!("{POINTS} points, medians of {RUNS}; load {}", load.trim());
-    println!("one process: {alone:.0} ms, simulated {own:.0} ms: all costs are {slower:.2} times");
+    println!(
+        "one process beside another: {alone:.0} ms, simulated {own:.0} ms: all costs are {slower:.2} times"
+    );
     let two = Simulated { processors: 2, ..one };
     let message = message_of(bench, two, slower)?;
-    println!("a mail costs {:.2} us at either end, by {FEWER} points", message * slower);
+    println!("a letter costs {:.2} us at either end, by {FEWER} points", message * slower);
     println!("setbacks: the mean of {SEEDS} seeds, with their standard deviation");
     println!("| delay, us | | predicted | measured | predicted / measured |");
     println!("|---|---|---|---|---|");
     for delay in DELAYS {
-        let measured = median(bench, POINTS, 2, delay)?;
+        let measured = median(bench, POINTS, Jobs { delay, ..OF_TWO })?;
         let latency = (f64::from(delay) + SHARED) / slower;
         let of_seed = |seed| simulated(bench, Simulated { latency, message, seed, ..two });
         let runs: Vec<Figures> = (1..=SEEDS).map(of_seed).collect::<Result<_, _>>()?;
@@ -80,10 +83,10 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
     Ok(())
 }
 
-/// The time that a mail takes at either end, in the simulator's microseconds: that with which it
+/// The time that a letter takes at either end, in the simulator's microseconds: that with which it
 /// predicts the makespan of fewer points on two processes without a delay.
 fn message_of(bench: &Bench, two: Simulated<'_>, slower: f64) -> Result<f64, String> {
-    let measured = median(bench, FEWER, 2, 0)?[0];
+    let measured = median(bench, FEWER, OF_TWO)?[0];
     let (mut low, mut high) = (0.1, 50.0);
     for _ in 0..HALVINGS {
         let message = f64::midpoint(low, high);
@@ -105,26 +108,44 @@ fn spread(runs: &[Figures], k: usize) -> [f64; 2] {
     [mean, (squares / (count - 1.0)).sqrt()]
 }
 
+/// Jobs at a time, the processes of each, and the delay of their mails in microseconds.
+#[derive(Clone, Copy)]
+struct Jobs {
+    beside: usize,
+    processes: u32,
+    delay: u32,
+}
+
+const OF_TWO: Jobs = Jobs { beside: 1, processes: 2, delay: 0 };
+
 /// The median of each figure of a few runs on processes.
-fn median(bench: &Bench, points: &str, count: u32, delay: u32) -> Result<Figures, String> {
+fn median(bench: &Bench, points: &str, jobs: Jobs) -> Result<Figures, String> {
     let mut runs: Vec<Figures> = Vec::new();
     let input = format!("validate-{points}.npy");
+    let Jobs { beside, processes, delay } = jobs;
     for _ in 0..RUNS {
-        let mut job = bench.job(count, &[]);
-        job.env("LTBW_MPI_LATENCY_US", delay.to_string()).arg(&bench.ranked);
-        job.args(["--quiet", "delaunay", &input, "--check", "off"]);
-        let outcome = watched(job.args(["--json", "validate.json"]), WATCHDOG)?;
-        if outcome.code != Some(0) {
-            return Err(format!("{count} processes, {delay} us: {}", outcome.stderr));
+        let start = |k: usize| {
+            // Open MPI binds the first process of each job to the same core.
+            let mut job = bench.job(processes, &["--bind-to", "none"]);
+            job.env("LTBW_MPI_LATENCY_US", delay.to_string()).arg(&bench.ranked);
+            job.args(["--quiet", "delaunay", &input, "--check", "off", "--json"]);
+            begin(job.arg(report_of(k)))
+        };
+        let all = (0..beside).map(start).collect::<Result<Vec<_>, _>>()?;
+        for (k, job) in all.into_iter().enumerate() {
+            let outcome = end(job, WATCHDOG)?;
+            if outcome.code != Some(0) {
+                return Err(format!("{processes} processes, {delay} us: {}", outcome.stderr));
+            }
+            let report = read(bench, k)?;
+            let sum = |field| all_of(&report, field).iter().sum::<f64>();
+            runs.push([1e3 * sum("insert"), sum("messages"), sum("setbacks")]);
         }
-        let report = read(bench)?;
-        let sum = |field| all(&report, field).iter().sum::<f64>();
-        runs.push([1e3 * sum("insert"), sum("messages"), sum("setbacks")]);
     }
     Ok([0, 1, 2].map(|k| {
         let mut own: Vec<f64> = runs.iter().map(|run| run[k]).collect();
         own.sort_by(f64::total_cmp);
-        own[RUNS / 2]
+        own[own.len() / 2]
     }))
 }
 
@@ -135,24 +156,30 @@ fn simulated(bench: &Bench, what: Simulated<'_>) -> Result<Figures, String> {
     let (count, latency, message) = (processors.to_string(), nanos(latency), nanos(message));
     let seed = seed.to_string();
     let command = ["simulate", "--processors", &count, "--latency", &latency, "--points", points];
-    let costs = ["--message", &message, "--seed", &seed, "--json", "validate.json"];
+    let report = report_of(0);
+    let costs = ["--message", &message, "--seed", &seed, "--json", &report];
     let outcome = bench.ltbw(&words_of(&[&command[..], &AS_PROCESSES, &costs].concat()))?;
     if outcome.code != Some(0) {
         return Err(outcome.stderr);
     }
-    let report = read(bench)?;
+    let report = read(bench, 0)?;
     // The figures of the whole come before those of kinds and processors.
-    let first = |field| all(&report, field).first().copied().unwrap_or(f64::NAN);
+    let first = |field| all_of(&report, field).first().copied().unwrap_or(f64::NAN);
     Ok([1e-6 * first("makespan"), first("count"), first("setbacks")])
 }
 
+/// The report's name of a job, by its number among those at a time.
+fn report_of(job: usize) -> String {
+    format!("validate-{job}.json")
+}
+
 /// The report of the last run.
-fn read(bench: &Bench) -> Result<String, String> {
-    fs::read_to_string(bench.folder.join("validate.json")).map_err(|error| error.to_string())
+fn read(bench: &Bench, job: usize) -> Result<String, String> {
+    fs::read_to_string(bench.folder.join(report_of(job))).map_err(|error| error.to_string())
 }
 
 /// The numbers of all fields of a name.
-fn all(report: &str, field: &str) -> Vec<f64> {
+fn all_of(report: &str, field: &str) -> Vec<f64> {
     let name = format!("\"{field}\": ");
     let number = |line: &str| line.trim().strip_prefix(&name)?.trim_end_matches(',').parse().ok();
     report.lines().filter_map(number).collect()
