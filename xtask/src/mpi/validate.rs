@@ -1,4 +1,4 @@
-//! `--validate`: runs on two processes with late mails beside the simulator's word on them.
+//! `--validate`: runs on two processes with late letters beside the simulator's word on them.
 //!
 //! The simulator's costs are those of its machine. Runs on one process, two beside each other, as
 //! two cores share their memory, tell how many times slower this one is, and virtual times are
@@ -8,18 +8,18 @@
 use super::{Bench, WATCHDOG, begin, end, words_of};
 use std::fs;
 
-/// The delays of mails, in microseconds.
+/// The delays of letters, in microseconds.
 const DELAYS: [u32; 3] = [0, 100, 300];
-/// Microseconds that a mail through shared memory takes, with the look of a process that finds it.
+/// Microseconds that a letter through shared memory takes, with the look that finds it.
 const SHARED: f64 = 2.0;
 /// Runs whose median counts.
 const RUNS: usize = 5;
 /// Runs of the simulator, each with a seed of its own.
 const SEEDS: usize = 10;
-/// The points of a run, and of those that tell the costs of mails.
+/// The points of a run, and of those that tell the costs of letters.
 const POINTS: &str = "100000";
 const FEWER: &str = "20000";
-/// Halvings until the cost of a mail is known.
+/// Halvings until the cost of a letter is known.
 const HALVINGS: usize = 10;
 /// The simulator's options for what processes do unless they are told otherwise: the window, the
 /// bursts and the letters of a process, which puts no point before others.
@@ -58,9 +58,8 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
     let slower = alone / own;
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
     println!("{POINTS} points, medians of {RUNS}; load {}", load.trim());
-    println!(
-        "one process beside another: {alone:.0} ms, simulated {own:.0} ms: all costs are {slower:.2} times"
-    );
+    println!("one process beside another: {alone:.0} ms, simulated {own:.0} ms");
+    println!("all costs are {slower:.2} times");
     let two = Simulated { processors: 2, ..one };
     let message = message_of(bench, two, slower)?;
     println!("a letter costs {:.2} us at either end, by {FEWER} points", message * slower);
@@ -108,7 +107,7 @@ fn spread(runs: &[Figures], k: usize) -> [f64; 2] {
     [mean, (squares / (count - 1.0)).sqrt()]
 }
 
-/// Jobs at a time, the processes of each, and the delay of their mails in microseconds.
+/// Jobs at a time, the processes of each, and the delay of their letters in microseconds.
 #[derive(Clone, Copy)]
 struct Jobs {
     beside: usize,
