@@ -135,7 +135,9 @@ impl Rounds<'_, '_> {
                 },
                 Try::Look(towards) => {
                     for p in std::mem::take(&mut barred.unseen) {
-                        inside(p).map(|trying| self.try_point(t, trying, prober, &mut barred));
+                        if let Some(trying) = inside(p) {
+                            self.try_point(t, trying, prober, &mut barred);
+                        }
                     }
                     let items = &mut barred.by;
                     items.extend(state.beside(t, towards));
