@@ -1,12 +1,14 @@
 //! The house rules, held by reading the sources: which way crates and modules lean, how long files
 //! and lines are, which parameters functions have, where atomics are, which dependencies are used,
-//! which words comments do without, how long a page of a decision is.
+//! which words comments do without, how long a page of a decision is, which command prints a table.
 //!
 //! Each rule has a test with a planted violation beside its code in `tidy/`. An exception is listed
 //! here with its reason; one that is not needed any more fails, too.
 
 #[path = "tidy/arrows.rs"]
 mod arrows;
+#[path = "tidy/figures.rs"]
+mod figures;
 #[path = "tidy/manifest.rs"]
 mod manifest;
 #[path = "tidy/pages.rs"]
@@ -224,6 +226,11 @@ fn pages_name_what_there_is() {
 fn decisions_have_short_pages_and_a_line_of_the_index() {
     assert!(TREE.0.contains_key("docs/decisions/README.md"), "the index of decisions");
     assert_eq!(pages::faults(&TREE), [""; 0]);
+}
+
+#[test]
+fn tables_of_numbers_name_the_command_that_prints_them() {
+    assert_eq!(figures::faults_of_pages(&TREE), [""; 0]);
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Every command of `cargo xtask`: what it does, how long it takes, what it needs. The help is made
 //! of this table, and what a command takes is decided here.
 
-use crate::{c, coverage, dist, fuzz, generate, lines, measure, model_check, mpi, mutants, paper};
-use crate::{parts, pictures, prove, python, rounds, slips, stacks, terminal, tsan, vectors};
+use crate::{c, coverage, dist, figures, fuzz, generate, lines, measure, model_check, mpi, mutants};
+use crate::{paper, parts, pictures, prove, python, rounds, slips, stacks, terminal, tsan, vectors};
 
 /// A command. Times are of two quiet cores with the workspace built for tests, but nothing else.
 pub(crate) struct Command {
@@ -23,7 +23,7 @@ pub(crate) const COMMANDS: &[Command] = &[
     Command {
         name: "bench",
         takes: "[SET]... | refine | instructions | removal | threads [N [ROUNDS]] | \
-                python [N [ROUNDS]] | quality [KIND MAX_VOLUME]...",
+                python [N [ROUNDS]] | quality [KIND MAX_VOLUME]... | iterations",
         what: "\
 Our order + insert against CGAL's: interleaved pairs, median of 7, of the sets of points named.
 refine        refinement, beside one item after the other, beside the commit before (LTBW_BEFORE
@@ -35,11 +35,23 @@ removal       removing uniform points beside putting them back, and beside CGAL'
 threads       one and two threads against the sequential kernel and CGAL on TBB, N points
 python        ltbw.delaunay of the Python package beside the program, N points
 quality       dihedral angles beside those of TetGen, Gmsh and CGAL with their optimisers, and the
-              faces that are not Delaunay",
+              faces that are not Delaunay
+iterations    conjugate gradients on the model problem, by bound of angles and sweeps of smoothing",
         time: "5 to 30 minutes",
-        tools: "CGAL and TBB; valgrind for instructions; pip for quality and refine",
+        tools: "CGAL and TBB; valgrind for instructions; pip for quality, iterations and refine",
         output: "a table",
         run: |rest| measure::run("bench", rest),
+    },
+    Command {
+        name: "figures",
+        takes: "[NAME]... | --list",
+        what: "\
+All tables and figures that pages quote, or those named, by the commands that the pages name; --list
+tells names, sections and commands. LTBW_PARTS names a folder of surfaces for those of parts.",
+        time: "hours; each what its commands take",
+        tools: "those of its commands",
+        output: "what the commands print; fails where one fails",
+        run: figures::run,
     },
     Command {
         name: "bars",

@@ -5,6 +5,7 @@ mod c;
 mod commands;
 mod coverage;
 mod dist;
+mod figures;
 mod fuzz;
 mod generate;
 mod lines;

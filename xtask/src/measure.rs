@@ -19,7 +19,10 @@ pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
         return instructions();
     }
     if mode == "bench" && args.first().is_some_and(|name| name == "quality") {
-        return quality(&args[1..]);
+        return quality("beside.py", &args[1..]);
+    }
+    if mode == "bench" && args == ["iterations"] {
+        return quality("iterations.py", &[]);
     }
     if mode == "bench" && args.first().is_some_and(|name| name == "python") {
         return python::bench(&args[1..]);
@@ -54,16 +57,18 @@ fn threads(args: &[String]) -> Result<(), String> {
     shell::run(cargo().args(["run", "--quiet"]).args(program).arg("--").args(args))
 }
 
-/// Dihedral angles beside TetGen's, Gmsh's and CGAL's.
-fn quality(args: &[String]) -> Result<(), String> {
+/// Dihedral angles beside TetGen's, Gmsh's and CGAL's, or what they cost, by a script of
+/// `tests/quality`.
+fn quality(script: &str, args: &[String]) -> Result<(), String> {
     let packages = ["numpy==2.4.6", "tetgen==0.8.4", "gmsh==4.15.2"];
     let test = "import numpy, tetgen, gmsh";
     let python = match shell::python("quality-python", &packages, test) {
         Ok(python) => python,
-        Err(reason) => return require::skip("dihedral angles beside others", "gmsh", &reason),
+        Err(reason) => return require::skip("what dihedral angles are worth", "gmsh", &reason),
     };
     let mut measure = command(&python.to_string_lossy());
-    measure.arg("tests/quality/beside.py").arg(shell::program()?).arg(target().join("quality"));
+    measure.arg(format!("tests/quality/{script}"));
+    measure.arg(shell::program()?).arg(target().join("quality"));
     shell::run(measure.args(args))
 }
 
