@@ -229,6 +229,11 @@ fn decisions_have_short_pages_and_a_line_of_the_index() {
 }
 
 #[test]
+fn each_file_of_tests_has_a_question() {
+    assert_eq!(pages::without_question(&TREE, "tests/README.md"), [""; 0]);
+}
+
+#[test]
 fn tables_of_numbers_name_the_command_that_prints_them() {
     assert_eq!(figures::faults_of_pages(&TREE), [""; 0]);
 }

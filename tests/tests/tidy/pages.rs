@@ -1,4 +1,5 @@
-//! Pages of decisions: short ones, each a line of the index.
+//! Pages of decisions: short ones, each a line of the index. The page of tests: each file of these
+//! is behind one of its questions.
 
 use super::source::Tree;
 
@@ -39,6 +40,61 @@ pub(crate) fn faults(tree: &Tree) -> Vec<String> {
     let gone = links.iter().filter(|link| is_gone(link));
     found.extend(gone.map(|link| format!("{link}: in the index alone")));
     found
+}
+
+/// Files of tests behind none of the questions; files and folders that are not there. In a row a
+/// name alone is in the folder of the path before.
+pub(crate) fn without_question(tree: &Tree, page: &str) -> Vec<String> {
+    let text = tree.0.get(page).map_or("", String::as_str);
+    let mut told: Vec<String> = Vec::new();
+    for row in text.lines().filter(|line| line.starts_with('|')) {
+        let mut folder = "";
+        for code in row.split('`').skip(1).step_by(2).filter(|code| !code.contains(' ')) {
+            match code.rsplit_once('/') {
+                Some((own, file)) if file.ends_with(".rs") => {
+                    folder = own;
+                    told.push(code.to_owned());
+                }
+                Some(_) => told.push(format!("{code}/")),
+                None => told.push(format!("{folder}/{code}")),
+            }
+        }
+    }
+    let is_told = |path: &str| {
+        told.iter().any(|own| own == path || own.ends_with('/') && path.starts_with(own.as_str()))
+    };
+    let is_there = |own: &String| {
+        let is_it = |path: &String| path == own || own.ends_with('/') && path.starts_with(own);
+        own.starts_with("bindings/python/") || tree.0.keys().any(is_it)
+    };
+    // A program of a crate, not a part of one of its modules.
+    let is_test = |path: &str| {
+        let file = path.split_once("/tests/").map(|(folder, file)| (folder, file));
+        file.is_some_and(|(folder, file)| {
+            !format!("/{folder}/").contains("/src/") && !file.contains('/') && file != "main.rs"
+        })
+    };
+    let untold =
+        tree.rust("").map(|(path, _)| path).filter(|&path| is_test(path) && !is_told(path));
+    let mut found: Vec<String> = untold.map(|path| format!("{path}: no question")).collect();
+    found.extend(told.iter().filter(|own| !is_there(own)).map(|own| format!("{own}: not there")));
+    found
+}
+
+#[test]
+fn files_of_tests_without_a_question_are_found() {
+    let faults_of = |row: &str| {
+        let page = format!("`x/tests/no.rs`\n| question | file |\n|---|---|\n| Is it? | {row} |\n");
+        let files = ["a/tests/one.rs", "a/tests/two.rs", "b/c/tests/one.rs", "b/c/tests/more/d.rs"];
+        let mut all: Vec<(&str, &str)> = files.iter().map(|&file| (file, "")).collect();
+        all.extend([("a/tests/main.rs", ""), ("a/src/tests/e.rs", ""), ("T.md", &page)]);
+        without_question(&Tree::of(&all), "T.md")
+    };
+    assert_eq!(faults_of("`b/c/tests`; `a/tests/one.rs`, `two.rs`, `cargo test`"), [""; 0]);
+    assert_eq!(faults_of("`b/c/tests/one.rs`; `a/tests`"), [""; 0]);
+    assert_eq!(faults_of("`a/tests/two.rs`, `b/c/tests`"), ["a/tests/one.rs: no question"]);
+    let gone = ["a/tests/three.rs: not there", "b/tests/: not there"];
+    assert_eq!(faults_of("`a/tests`, `b/c/tests`, `a/tests/three.rs`, `b/tests`"), gone);
 }
 
 #[test]
