@@ -12,6 +12,7 @@ mod refining_circles;
 mod refining_domains;
 mod refining_given;
 mod refining_patches;
+mod refining_plates;
 mod refining_rounds;
 mod refining_slivers;
 mod simulate_mesh;

@@ -1,0 +1,160 @@
+//! Thin plates in a box of another material: patches that separate two regions, with boundary items
+//! that wait for each other in circles. The mesh is that of one thread.
+
+use crate::refining_rounds::{same, simulated};
+use ltbw::domain::{Domain, Facet, PrepareOptions, Region};
+use ltbw::refine::Refiner;
+use ltbw::refining::rounds_on_threads;
+use ltbw::threads::Parallel;
+
+/// The faces of a box whose corners are numbered by the bits of their places, and their axes.
+const FACES: [([u32; 4], usize); 6] = [
+    ([0, 2, 3, 1], 2),
+    ([4, 5, 7, 6], 2),
+    ([0, 1, 5, 4], 1),
+    ([2, 6, 7, 3], 1),
+    ([0, 4, 6, 2], 0),
+    ([1, 3, 7, 5], 0),
+];
+
+/// Random numbers: splitmix64.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A number from 0 to 1.
+    fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn below(&mut self, count: u64) -> u64 {
+        self.next() % count
+    }
+
+    /// A thickness in 64ths, most of them small.
+    fn thickness(&mut self) -> f64 {
+        let most = [4, 12, 55][self.below(3) as usize];
+        (1 + self.below(most)) as f64 / 64.0
+    }
+}
+
+/// A domain under way.
+struct Plates {
+    domain: Domain,
+    random: Random,
+    /// The distance at most of a vertex inside a face from its plane.
+    noise: f64,
+}
+
+impl Plates {
+    fn add(&mut self, p: [f64; 3]) -> u32 {
+        self.domain.vertices.push(p);
+        self.domain.vertices.len() as u32 - 1
+    }
+
+    fn facet(&mut self, corners: &[u32], marker: i32) {
+        self.domain.facets.push(Facet::polygon(corners, marker));
+    }
+
+    /// A box, by its lowest and highest corner. Its faces are fans around a vertex, or around a
+    /// ring of four, that are not quite in their planes; or flat.
+    fn boxed(&mut self, ends: [[f64; 3]; 2], marker: i32, is_flat: bool) {
+        let corner = |k: u32| [0, 1, 2].map(|i| ends[(k >> i & 1) as usize][i]);
+        let first = self.domain.vertices.len() as u32;
+        self.domain.vertices.extend((0..8).map(corner));
+        for (face, axis) in FACES {
+            let mut ring = face.map(|k| first + k);
+            if is_flat {
+                self.facet(&ring, marker);
+                continue;
+            }
+            let at = face.map(corner);
+            let [u, w] = [(); 2].map(|()| 0.2 + 0.6 * self.random.unit());
+            let along = |to: usize, k: usize| at[to][k] - at[0][k];
+            let mut middle = [0, 1, 2].map(|k| at[0][k] + u * along(1, k) + w * along(3, k));
+            middle[axis] += self.noise * (2.0 * self.random.unit() - 1.0);
+            let in_middle = self.add(middle);
+            if self.random.below(3) > 0 {
+                let outer = ring;
+                let share = 0.3 + 0.5 * self.random.unit();
+                for (k, corner) in at.iter().enumerate() {
+                    let mut p = [0, 1, 2].map(|i| middle[i] + share * (corner[i] - middle[i]));
+                    p[axis] = corner[axis] + self.noise * (2.0 * self.random.unit() - 1.0);
+                    ring[k] = self.add(p);
+                }
+                for k in 0..4 {
+                    let next = (k + 1) % 4;
+                    self.facet(&[outer[k], outer[next], ring[next]], marker);
+                    self.facet(&[outer[k], ring[next], ring[k]], marker);
+                }
+            }
+            for k in 0..4 {
+                self.facet(&[ring[k], ring[(k + 1) % 4], in_middle], marker);
+            }
+        }
+    }
+
+    fn region(&mut self, seed: [f64; 3], number: u32) {
+        let attribute = f64::from(number);
+        self.domain.regions.push(Region { seed, attribute, max_volume: None });
+    }
+}
+
+/// Plates on each other in a box of another material, and the volume of the box.
+fn plates(seed: u64) -> (Domain, f64) {
+    let random = Random(seed.wrapping_mul(7919));
+    let mut own = Plates { domain: Domain::default(), random, noise: 0.0 };
+    let bases = [[1.0, 1.0], [3.0, 2.0], [2.0, 2.0], [1.0, 3.0], [2.0, 1.0]];
+    let [x, y] = bases[own.random.below(5) as usize];
+    let count = 1 + own.random.below(3) as u32;
+    let margin = own.random.thickness();
+    own.noise = [1e-7, 1e-8, 3e-7][own.random.below(3) as usize];
+    let mut z = own.random.thickness();
+    for number in 2..2 + count {
+        let thickness = own.random.thickness();
+        own.boxed([[0.0, 0.0, z], [x, y, z + thickness]], number as i32, false);
+        own.region([x / 2.0, y / 2.0, z + thickness / 2.0], number);
+        z += thickness + own.random.thickness();
+    }
+    let [low, high] = [[-margin, -margin, 0.0], [x + margin, y + margin, z]];
+    let is_flat = own.random.below(2) == 1;
+    own.boxed([low, high], 1, is_flat);
+    own.region([-margin / 2.0, -margin / 2.0, z / 2.0], 1);
+    (own.domain, (0..3).map(|k| high[k] - low[k]).product())
+}
+
+/// In the first, the dust of a circle's points has looked farther than the closures of these: the
+/// conductor that splits the circle on what it was lent must not be content with that.
+#[test]
+fn circles_at_patches_between_regions_are_split_by_workers_as_by_the_engine() {
+    for (seed, start) in [(125, 64), (118, 0), (149, 0)] {
+        let (domain, volume) = plates(seed);
+        let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+        let refiner =
+            Refiner::new().max_volume(volume / 200.0).min_dihedral(0.0).flat_tolerance(1e-6);
+        let refiner = refiner.start(start);
+        let alone = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+        let (circles, patches) = (alone.stats.joint_phases, alone.stats.patches);
+        assert!(circles > 0 && patches > 0, "{seed}: {circles} circles, {patches} patches");
+        for of in [(2, 100_000), (3, 1_000)] {
+            let run = simulated(&refiner, &ready, of);
+            same(&format!("{seed}, {of:?}"), &run.refined, &alone);
+            assert!(run.figures.parted > 0, "{seed}, {of:?}: {:?}", run.ending);
+        }
+        for workers in [2, 3] {
+            let whole = (&ready.domain, &ready.lattice);
+            let run = rounds_on_threads(&refiner, whole, &Parallel::new(workers));
+            let run = run.expect("a run ends");
+            same(&format!("{seed}, {workers} workers"), &run.refined, &alone);
+            assert!(run.figures.parted > 0, "{seed}, {workers} workers: {:?}", run.ending);
+        }
+        println!("{seed}: {circles} times circles, {patches} patches");
+    }
+}
