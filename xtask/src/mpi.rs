@@ -1,16 +1,22 @@
-//! `mpi`: the program of `parallel/mpi`: its tests, and its runs by `mpirun` beside `ltbw`, each
-//! under a watchdog: one hash on any number of processes, over shared memory and over TCP, in time
-//! and late; what it refuses; what comes of processes that panic, are killed or are stopped; jobs
-//! that go on from the checkpoint of one that has lost a process.
+//! `mpi`: the program of `parallel/mpi`: its tests, and its runs by each MPI that is here, beside
+//! `ltbw`, each under a watchdog: one hash on any number of processes, over shared memory and over
+//! TCP, in time and late; what it refuses; what comes of processes that panic, are killed or are
+//! stopped; jobs that go on from the checkpoint of one that has lost a process.
 
+mod asked;
+mod draw;
 mod faults;
+pub(crate) mod library;
 mod readers;
 mod resumed;
+mod seeds;
 mod storm;
 mod validate;
 
 use crate::require;
-use crate::shell::{self, cargo, command, root, target};
+use crate::shell::{self, target};
+use asked::Asked;
+use library::{Found, LIBRARIES};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -19,8 +25,15 @@ use std::time::{Duration, Instant};
 /// The longest time of a run.
 const WATCHDOG: Duration = Duration::from_secs(120);
 
-/// Mail goes over TCP.
-const TCP: [&str; 6] = ["--mca", "btl", "self,tcp", "--mca", "btl_tcp_if_include", "lo"];
+/// The numbers of processes, if no others are asked for.
+const RANKS: [u32; 4] = [1, 2, 3, 4];
+
+/// A number of processes far above that of cores, and the inputs that are run on these, too.
+const MANY: u32 = 16;
+const ON_MANY: [&str; 4] = ["uniform 20000", "duplicates 8000", "cube-octahedron", "tee"];
+
+/// The delay of late mails, in microseconds.
+const LATE: &str = "300";
 
 /// Families of points: kind, number, and format: one that is not cut among them.
 const POINTS: [(&str, &str, &str); 7] = [
@@ -60,6 +73,7 @@ pub(crate) struct Bench {
     pub(crate) ranked: PathBuf,
     alone: PathBuf,
     pub(crate) folder: PathBuf,
+    mpi: Found,
 }
 
 /// An input with the arguments that mesh it.
@@ -68,123 +82,100 @@ pub(crate) struct Input {
     arguments: Vec<String>,
 }
 
-/// The demands of a command line.
-struct Asked {
-    ranks: Vec<u32>,
-    has_readers: bool,
-    validates: bool,
-    /// Jobs with faults, and no other ones.
-    faults: Option<u64>,
-    seed: u64,
-}
-
 /// Jobs with faults beside the others.
 const FEW_FAULTS: u64 = 12;
 
-/// Builds and runs.
+/// Builds and runs, for each MPI.
 pub(crate) fn run(rest: &[String]) -> Result<(), String> {
-    let Asked { ranks, has_readers, validates, faults, seed } = Asked::of(rest)?;
-    let tools: [(&str, &[&str]); 2] = [("mpirun", &["--version"]), ("mpicc", &["--version"])];
-    for (tool, arguments) in tools {
-        if !shell::works(command(tool).args(arguments)) {
-            let install = "apt-get install openmpi-bin libopenmpi-dev libclang-dev clang";
-            let reason = format!("{tool} does not start: {install}");
-            return require::skip("the program of parallel/mpi", "mpi", &reason);
-        }
+    let asked = Asked::of(rest)?;
+    let mut runs_all = true;
+    for library in LIBRARIES.iter().filter(|own| asked.libraries.contains(&own.name)) {
+        let mpi = match library.find() {
+            Ok(mpi) => mpi,
+            Err(why) => {
+                let what = format!("the program of parallel/mpi by {}", library.name);
+                require::skip(&what, "mpi", &why)?;
+                continue;
+            }
+        };
+        println!("== {}", library.name);
+        run_by(mpi, &asked, runs_all)?;
+        runs_all = false;
     }
-    let bench = Bench::build()?;
-    if validates {
+    Ok(())
+}
+
+/// Builds and runs, for one MPI; the first one runs all, others the fewest and the most processes.
+fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
+    let bench = Bench::build(mpi, runs_all)?;
+    if asked.validates {
         return validate::run(&bench);
     }
-    let inputs = bench.inputs()?;
-    if let Some(count) = faults {
-        return storm::run(&bench, count, seed);
+    if let Some(count) = asked.seeds {
+        return seeds::run(&bench, count, asked.ranks.as_deref(), asked.seed);
     }
+    let inputs = bench.inputs()?;
+    if let Some(count) = asked.faults {
+        return storm::run(&bench, count, asked.seed);
+    }
+    let mut ranks = asked.ranks.clone().unwrap_or_else(|| RANKS.to_vec());
+    let most = ranks.iter().copied().max().unwrap_or(2);
+    ranks.retain(|&count| runs_all || count == 2 || count == most);
     let mut runs = 0;
     for input in &inputs {
         let alone = bench.alone(input)?;
-        for &count in &ranks {
-            bench.compare(input, &alone, Way { count, ..Way::default() })?;
-            runs += 1;
+        let mut ways: Vec<Way> =
+            ranks.iter().map(|&count| Way { count, ..Way::default() }).collect();
+        let mut late = |count, is_tcp| ways.push(Way { count, is_tcp, late: Some(LATE) });
+        late(2, false);
+        late(most, true);
+        ways.push(Way { count: most, is_tcp: true, late: None });
+        if most < MANY && ON_MANY.contains(&&*input.name) {
+            ways.push(Way { count: MANY, is_tcp: false, late: None });
+            ways.push(Way { count: MANY, is_tcp: true, late: Some(LATE) });
         }
-        let most = ranks.iter().copied().max().unwrap_or(2);
-        bench.compare(input, &alone, Way { count: most, network: &TCP, late: None })?;
-        bench.compare(input, &alone, Way { count: 2, network: &[], late: Some("300") })?;
-        runs += 2;
+        ways.retain(|way| !way.is_tcp || bench.mpi.has_tcp());
+        for way in &ways {
+            bench.compare(input, &alone, *way)?;
+        }
         bench.in_parts(input, &alone, most)?;
-        runs += 1;
+        runs += ways.len() + 1;
         let has_points = input.arguments.first().is_some_and(|command| command == "delaunay");
-        if has_points && has_readers {
+        if has_points && asked.has_readers {
             readers::run(&bench, &input.name, &input.arguments, most)?;
         }
     }
     println!("{} inputs, {runs} runs: one hash each", inputs.len());
     let count = faults::run(&bench)? + resumed::run(&bench)?;
     println!("{count} refusals and faults: each with its word and its code");
-    storm::run(&bench, FEW_FAULTS, seed)
-}
-
-impl Asked {
-    fn of(rest: &[String]) -> Result<Self, String> {
-        let usage = "cargo xtask mpi [--ranks 1,2,3,4] [--readers] [--validate] \
-                     [--faults N] [--seed N]";
-        let (has_readers, validates, faults) = (false, false, None);
-        let seed = std::time::UNIX_EPOCH.elapsed().map_or(1, |since| since.as_secs());
-        let mut own = Self { ranks: vec![1, 2, 3, 4], has_readers, validates, faults, seed };
-        let mut words = rest.iter().map(String::as_str);
-        while let Some(word) = words.next() {
-            let mut value = || words.next().ok_or_else(|| usage.to_owned());
-            let number = |text: &str| {
-                text.parse::<u64>().map_err(|_| format!("{word} {text}: no number; {usage}"))
-            };
-            match word {
-                "--readers" => own.has_readers = true,
-                "--validate" => own.validates = true,
-                "--faults" => own.faults = Some(number(value()?)?),
-                "--seed" => own.seed = number(value()?)?,
-                "--ranks" => {
-                    let list = value()?.split(',').map(number).collect::<Result<Vec<u64>, _>>()?;
-                    let count = |count: u64| u32::try_from(count).ok().filter(|&own| own > 0);
-                    let ranks: Option<Vec<u32>> = list.into_iter().map(count).collect();
-                    own.ranks = ranks.ok_or_else(|| usage.to_owned())?;
-                }
-                _ => return Err(usage.to_owned()),
-            }
-        }
-        Ok(own)
-    }
+    storm::run(&bench, FEW_FAULTS, asked.seed)
 }
 
 /// The way in which an input is run on processes.
-#[derive(Clone, Copy, Default)]
-struct Way<'a> {
+#[derive(Clone, Copy, Debug, Default)]
+struct Way {
     count: u32,
-    /// Options of `mpirun`.
-    network: &'a [&'a str],
+    /// Mail goes over TCP, not through shared memory.
+    is_tcp: bool,
     /// The delay of mails, in microseconds.
-    late: Option<&'a str>,
+    late: Option<&'static str>,
+}
+
+impl std::fmt::Display for Way {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { count, is_tcp, late } = self;
+        let tcp = if *is_tcp { " by TCP" } else { "" };
+        let late = late.map(|late| format!(", {late} us late")).unwrap_or_default();
+        write!(f, "on {count}{tcp}{late}")
+    }
 }
 
 impl Bench {
-    /// The programs: those that `LTBW_MPI_PROGRAM` and `LTBW_PROGRAM` name, or that are built here.
-    fn build() -> Result<Self, String> {
+    /// The programs for an MPI.
+    fn build(mpi: Found, runs_tests: bool) -> Result<Self, String> {
         let folder = target().join("mpi");
         fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-        if let Some(ranked) = std::env::var_os("LTBW_MPI_PROGRAM") {
-            return Ok(Self { ranked: ranked.into(), alone: shell::program()?, folder });
-        }
-        let manifest = root().join("parallel/mpi/Cargo.toml");
-        let in_package = |arguments: &[&str], more: &[&str]| {
-            let mut cargo = cargo();
-            cargo.args(arguments).arg("--manifest-path").arg(&manifest).args(more);
-            // The crates below are those of the workspace, which are built once.
-            shell::run(cargo.env("CARGO_TARGET_DIR", target()))
-        };
-        in_package(&["fmt"], &["--check"])?;
-        in_package(&["test", "--quiet", "--release", "--locked"], &[])?;
-        in_package(&["build", "--quiet", "--release", "--locked"], &[])?;
-        let ranked = target().join("release/ltbw-mpi");
-        Ok(Self { ranked, alone: shell::program()?, folder })
+        Ok(Self { ranked: mpi.build(runs_tests)?, alone: shell::program()?, folder, mpi })
     }
 
     /// A command of `ltbw`.
@@ -193,33 +184,29 @@ impl Bench {
         watched(command.current_dir(&self.folder).arg("--quiet").args(arguments), WATCHDOG)
     }
 
+    /// Makes the file of an input.
+    fn generate(&self, arguments: &[&str]) -> Result<(), String> {
+        let made = self.ltbw(&words_of(&[&["generate"], arguments].concat()))?;
+        match made.code {
+            Some(0) => Ok(()),
+            _ => Err(format!("generate {arguments:?}: {}", made.stderr)),
+        }
+    }
+
     /// Makes all inputs.
     fn inputs(&self) -> Result<Vec<Input>, String> {
         let mut inputs = Vec::new();
-        let words = |all: &[&str]| all.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
-        let mut make = |arguments: Vec<String>, name: String, command: Vec<String>| {
-            let made = self.ltbw(&[words(&["generate"]), arguments].concat())?;
-            if made.code != Some(0) {
-                return Err(format!("{name}: {}", made.stderr));
-            }
-            inputs.push(Input { name, arguments: command });
-            Ok(())
-        };
         for (kind, count, format) in POINTS {
             let file = format!("{kind}-{count}.{format}");
-            make(
-                words(&[kind, count, "-o", &file]),
-                format!("{kind} {count}"),
-                words(&["delaunay", &file]),
-            )?;
+            self.generate(&[kind, count, "-o", &file])?;
+            let arguments = words_of(&["delaunay", &file]);
+            inputs.push(Input { name: format!("{kind} {count}"), arguments });
         }
         for (kind, shape, bounds) in DOMAINS {
             let file = format!("{kind}.poly");
-            make(
-                [words(&[kind]), words(shape), words(&["-o", &file])].concat(),
-                kind.to_owned(),
-                [words(&["mesh", &file]), words(bounds)].concat(),
-            )?;
+            self.generate(&[&[kind], shape, &["-o", &file]].concat())?;
+            let arguments = words_of(&[&["mesh", &file], bounds].concat());
+            inputs.push(Input { name: kind.to_owned(), arguments });
         }
         Ok(inputs)
     }
@@ -227,22 +214,23 @@ impl Bench {
     /// The outcome of `ltbw` with an input.
     fn alone(&self, input: &Input) -> Result<Outcome, String> {
         let report = words_of(&["--json", "alone.json"]);
+        _ = fs::remove_file(self.folder.join("alone.json"));
         self.ltbw(&[input.arguments.clone(), report].concat())
     }
 
     /// Runs an input on processes, and compares code, hash and excuses.
-    fn compare(&self, input: &Input, alone: &Outcome, way: Way<'_>) -> Result<(), String> {
-        let Way { count, network, late: latency } = way;
+    fn compare(&self, input: &Input, alone: &Outcome, way: Way) -> Result<(), String> {
         let report = words_of(&["--json", "ranks.json"]);
         let arguments = [input.arguments.clone(), report].concat();
-        let mut job = self.job(count, network);
+        let mut job = self.job(way.count, way.is_tcp);
         job.arg(&self.ranked).arg("--quiet").args(&arguments);
-        latency.iter().for_each(|late| _ = job.env("LTBW_MPI_LATENCY_US", late));
+        way.late.iter().for_each(|late| _ = job.env("LTBW_MPI_LATENCY_US", late));
+        _ = fs::remove_file(self.folder.join("ranks.json"));
         let outcome = watched(&mut job, WATCHDOG)?;
-        let what = format!("{} on {count} {network:?} {latency:?}", input.name);
+        let what = format!("{} {way}", input.name);
         let excuses = |file: &str| excused(&self.folder.join(file));
         let same = outcome.code == alone.code && outcome.stdout == alone.stdout;
-        if !same || excuses("ranks.json")? != excuses("alone.json")? {
+        if !same || excuses("ranks.json") != excuses("alone.json") {
             return Err(format!(
                 "{what}: code {:?}, {:?}, not {:?}, {:?}\n{}",
                 outcome.code, outcome.stdout, alone.code, alone.stdout, outcome.stderr
@@ -254,7 +242,7 @@ impl Bench {
 
     /// Lets each process write its part: together they are the mesh that `ltbw` has certified.
     fn in_parts(&self, input: &Input, alone: &Outcome, count: u32) -> Result<(), String> {
-        let mut job = self.job(count, &[]);
+        let mut job = self.job(count, false);
         job.arg(&self.ranked).arg("--quiet").args(&input.arguments);
         IN_PARTS.iter().for_each(|name| _ = job.args(["-o", name]));
         let outcome = watched(&mut job, WATCHDOG)?;
@@ -276,11 +264,9 @@ impl Bench {
     }
 
     /// A job of this many processes, whose program is still to be named.
-    pub(crate) fn job(&self, count: u32, network: &[&str]) -> Command {
-        let mut job = Command::new("mpirun");
-        job.current_dir(&self.folder).env("OMPI_ALLOW_RUN_AS_ROOT", "1");
-        job.env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1").args(["--oversubscribe"]).args(network);
-        job.args(["-n", &count.to_string()]);
+    pub(crate) fn job(&self, count: u32, is_tcp: bool) -> Command {
+        let mut job = self.mpi.job(count, is_tcp);
+        job.current_dir(&self.folder);
         job
     }
 }
@@ -306,16 +292,17 @@ const TOLD: [&str; 12] = [
     "tet",
 ];
 
-/// The lines of a report that tell of the mesh, of its quality, and of what is excused.
-fn excused(report: &Path) -> Result<Vec<String>, String> {
-    let text = fs::read_to_string(report).map_err(|e| format!("{}: {e}", report.display()))?;
+/// The lines of a report that tell of the mesh, of its quality, and of what is excused; none if an
+/// input was refused.
+fn excused(report: &Path) -> Vec<String> {
+    let text = fs::read_to_string(report).unwrap_or_default();
     let is_wanted = |line: &&str| {
         let name = line.trim_start().strip_prefix('"').and_then(|line| line.split('"').next());
         name.is_some_and(|name| TOLD.contains(&name))
     };
     // A certificate has numbers of its own for tetrahedra in parts.
     let before = text.split("\"certificate\"").next().unwrap_or_default();
-    Ok(before.lines().filter(is_wanted).map(|line| line.trim().to_owned()).collect())
+    before.lines().filter(is_wanted).map(|line| line.trim().to_owned()).collect()
 }
 
 /// Runs a command to its end, or to that of the watchdog's patience, which is an error.
@@ -332,28 +319,27 @@ pub(crate) fn begin(command: &mut Command) -> Result<Child, String> {
 
 /// Waits for the end of a command.
 pub(crate) fn end(child: Child, patience: Duration) -> Result<Outcome, String> {
-    end_or(child, patience, || ())
+    let clock = Instant::now();
+    let is_late = || (clock.elapsed() >= patience).then(|| format!("{} s", patience.as_secs()));
+    end_unless(child, is_late)
 }
 
-/// As [`end`]; `last` looks at a command that is out of time before it is ended.
-pub(crate) fn end_or(
+/// As [`end`]; `is_late` looks on, and says of a command that has to be ended why.
+pub(crate) fn end_unless(
     mut child: Child,
-    patience: Duration,
-    last: impl FnOnce(),
+    mut is_late: impl FnMut() -> Option<String>,
 ) -> Result<Outcome, String> {
     let clock = Instant::now();
     let (out, err) = (reader(child.stdout.take()), reader(child.stderr.take()));
     let status = loop {
-        match child.try_wait() {
-            Ok(Some(status)) => break status,
-            Ok(None) if clock.elapsed() < patience => std::thread::sleep(Duration::from_millis(5)),
-            Ok(None) => {
-                last();
-                let ended = child.kill().and_then(|()| child.wait());
-                return Err(format!("no end after {} s ({ended:?})", patience.as_secs()));
-            }
-            Err(error) => return Err(error.to_string()),
+        if let Some(status) = child.try_wait().map_err(|error| error.to_string())? {
+            break status;
         }
+        if let Some(why) = is_late() {
+            let ended = child.kill().and_then(|()| child.wait());
+            return Err(format!("no end after {why} ({ended:?})"));
+        }
+        std::thread::sleep(Duration::from_millis(5));
     };
     let text = |reader: std::thread::JoinHandle<String>| reader.join().unwrap_or_default();
     let seconds = clock.elapsed().as_secs_f64();

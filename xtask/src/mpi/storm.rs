@@ -5,12 +5,13 @@
 //! introduces itself: all processes have ended, and it waits for itself. That is counted, and no
 //! fault of ours.
 
+use super::draw::Draw;
 use super::faults::{PATIENCE, file_of, pid_of, telling};
-use super::{Bench, Outcome, WATCHDOG, begin, end_or, watched, words_of};
-use std::cell::Cell;
+use super::{Bench, Outcome, WATCHDOG, begin, end_unless, watched, words_of};
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs;
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// The commands that are run.
@@ -30,6 +31,9 @@ const LETTERS: u64 = 600;
 /// The delays of mails, in microseconds.
 const LATE: [&str; 3] = ["0", "0", "300"];
 
+/// The time after which a launcher none of whose processes lives is ended.
+const GRACE: Duration = Duration::from_secs(5);
+
 /// A fault of one process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Fault {
@@ -43,11 +47,11 @@ impl Fault {
 
     /// The codes with which a job ends after it. It may come after the end; and a process that is
     /// stopped before it listens ends as any other one does.
-    fn codes(self) -> &'static [i32] {
+    fn codes(self, bench: &Bench) -> Vec<i32> {
         match self {
-            Self::Panic => &[70, 0],
-            Self::Kill => &[137, 0],
-            Self::Stop => &[4, 143, 0],
+            Self::Panic => vec![70, 0],
+            Self::Kill => vec![bench.mpi.code_of(9), 0],
+            Self::Stop => vec![4, bench.mpi.code_of(15), 0],
         }
     }
 }
@@ -58,21 +62,83 @@ struct Sound {
     seconds: f64,
 }
 
-/// Numbers that follow from a seed (SplitMix64).
-struct Draw(u64);
+/// A job with a fault, as it is drawn.
+struct Faulty {
+    job: usize,
+    ranks: u32,
+    fault: Fault,
+    late: &'static str,
+    rank: u32,
+    /// The moment, in thousandths of the time of the job without a fault.
+    part: u64,
+    letter: u64,
+}
 
-impl Draw {
-    /// A number below `end`.
-    fn below(&mut self, end: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) % end.max(1)
+/// The end of such a job.
+struct Ended {
+    /// None if the launcher has not ended, though no process lives.
+    outcome: Option<Outcome>,
+    /// Seconds from the signal, or from the start, until no process lives.
+    processes: f64,
+}
+
+impl Faulty {
+    fn drawn(draw: &mut Draw) -> Self {
+        let job = draw.below(JOBS.len() as u64) as usize;
+        let ranks = draw.one(&RANKS);
+        let (fault, late) = (draw.one(&Fault::ALL), draw.one(&LATE));
+        let (rank, part) = (draw.below(ranks.into()) as u32, draw.below(1100));
+        Self { job, ranks, fault, late, rank, part, letter: draw.below(LETTERS) }
     }
 
-    fn one<T: Copy>(&mut self, of: &[T]) -> T {
-        of[self.below(of.len() as u64) as usize]
+    /// Runs it to its end; one of whose processes hang is an error.
+    fn run(&self, bench: &Bench, sound: &Sound) -> Result<Ended, String> {
+        _ = fs::remove_file(bench.folder.join("storm.pvtu"));
+        let mut command = telling(bench, self.ranks);
+        command.env("LTBW_MPI_LATENCY_US", self.late);
+        if self.fault == Fault::Panic {
+            command.env("LTBW_MPI_PANIC_RANK", self.rank.to_string());
+            command.env("LTBW_MPI_PANIC_LETTER", self.letter.to_string());
+        }
+        let child = begin(command.arg("--quiet").args(JOBS[self.job]))?;
+        if self.fault == Fault::Panic {
+            return self.end(bench, child, WATCHDOG);
+        }
+        if let Some(pid) = pid_of(bench, self.rank) {
+            std::thread::sleep(Duration::from_secs_f64(sound.seconds * self.part as f64 / 1000.0));
+            let signal = if self.fault == Fault::Kill { "-KILL" } else { "-TERM" };
+            // It may have ended.
+            let mut kill = Command::new("kill");
+            let _ = kill.args([signal, &pid.to_string()]).stderr(Stdio::null()).status();
+        }
+        self.end(bench, child, PATIENCE)
+    }
+
+    /// Waits for its end, and for that of its processes.
+    fn end(&self, bench: &Bench, child: Child, patience: Duration) -> Result<Ended, String> {
+        let clock = Instant::now();
+        let (mut last, mut living) = (Duration::ZERO, 0);
+        let mut look = || {
+            living = living_of(bench, self.ranks);
+            let since = clock.elapsed();
+            last = if living > 0 { since } else { last };
+            let waits = !last.is_zero() && since.saturating_sub(last) >= GRACE;
+            let is_late = waits || since >= patience;
+            is_late.then(|| format!("{} s", since.as_secs()))
+        };
+        let outcome = end_unless(child, &mut look);
+        // The processes of a launcher that has ended may be about to.
+        while living_of(bench, self.ranks) > 0 && clock.elapsed() < patience {
+            look();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        match outcome {
+            Err(why) if living > 0 => Err(format!("{living} of its processes hang: {why}")),
+            outcome => match living_of(bench, self.ranks) {
+                0 => Ok(Ended { outcome: outcome.ok(), processes: last.as_secs_f64() }),
+                left => Err(format!("{left} processes live on")),
+            },
+        }
     }
 }
 
@@ -82,65 +148,43 @@ pub(crate) fn run(bench: &Bench, count: u64, seed: u64) -> Result<(), String> {
     let mut draw = Draw(seed);
     let mut sound: BTreeMap<(usize, u32), Sound> = BTreeMap::new();
     let mut ends: BTreeMap<(Fault, Option<i32>), u64> = BTreeMap::new();
-    let (mut wrong, mut longest) = (Vec::new(), 0.0_f64);
+    let (mut wrong, mut longest) = (Vec::new(), BTreeMap::<Fault, f64>::new());
     for number in 0..count {
-        let job = draw.below(JOBS.len() as u64) as usize;
-        let ranks = draw.one(&RANKS);
-        let (fault, late) = (draw.one(&Fault::ALL), draw.one(&LATE));
-        let (rank, part) = (draw.below(ranks.into()) as u32, draw.below(1100));
-        let letter = draw.below(LETTERS);
+        let faulty = Faulty::drawn(&mut draw);
+        let Faulty { job, ranks, fault, rank, .. } = faulty;
         let name = format!("{number}: {} on {ranks}, {fault:?} of {rank}", JOBS[job][1]);
-        if let std::collections::btree_map::Entry::Vacant(entry) = sound.entry((job, ranks)) {
+        if let Entry::Vacant(entry) = sound.entry((job, ranks)) {
             entry.insert(alone(bench, job, ranks)?);
         }
         let own = &sound[&(job, ranks)];
-        _ = fs::remove_file(bench.folder.join("storm.pvtu"));
-        let mut command = telling(bench, ranks);
-        command.env("LTBW_MPI_LATENCY_US", late);
-        if fault == Fault::Panic {
-            command.env("LTBW_MPI_PANIC_RANK", rank.to_string());
-            command.env("LTBW_MPI_PANIC_LETTER", letter.to_string());
-        }
-        let child = begin(command.arg("--quiet").args(JOBS[job]))?;
-        let mut since = Instant::now();
-        if fault != Fault::Panic
-            && let Some(pid) = pid_of(bench, rank)
-        {
-            std::thread::sleep(Duration::from_secs_f64(own.seconds * part as f64 / 1000.0));
-            let signal = if fault == Fault::Kill { "-KILL" } else { "-TERM" };
-            // It may have ended.
-            let mut kill = Command::new("kill");
-            let _ =
-                kill.args([signal, &pid.to_string()]).stderr(std::process::Stdio::null()).status();
-            since = Instant::now();
-        }
-        let patience = if fault == Fault::Panic { WATCHDOG } else { PATIENCE };
-        let living = Cell::new(0);
-        match end_or(child, patience, || living.set(living_of(bench, ranks))) {
-            Ok(outcome) => {
-                *ends.entry((fault, outcome.code)).or_default() += 1;
-                longest = longest.max(since.elapsed().as_secs_f64());
-                wrong.extend(amiss(&outcome, fault, own).map(|why| format!("{name}: {why}")));
-                let clock = Instant::now();
-                while living_of(bench, ranks) > 0 && clock.elapsed() < PATIENCE {
-                    std::thread::sleep(Duration::from_millis(20));
-                }
-                let left = living_of(bench, ranks);
-                wrong.extend((left > 0).then(|| format!("{name}: {left} processes live on")));
-            }
+        let ended = match faulty.run(bench, own) {
+            Ok(ended) => ended,
             Err(why) => {
-                *ends.entry((fault, None)).or_default() += 1;
-                let hung = format!("{name}: {} of its processes hang: {why}", living.get());
-                wrong.extend((living.get() > 0).then_some(hung));
+                wrong.push(format!("{name}: {why}"));
+                continue;
             }
+        };
+        let most = longest.entry(fault).or_default();
+        *most = most.max(ended.processes);
+        let code = ended.outcome.as_ref().map(|outcome| outcome.code);
+        *ends.entry((fault, code.flatten())).or_default() += 1;
+        match ended.outcome {
+            Some(outcome) => {
+                let why = amiss(bench, &outcome, fault, own);
+                wrong.extend(why.map(|why| format!("{name}: {why}")));
+            }
+            None => println!("{name}: no process lives, and the launcher has not ended"),
         }
     }
     for ((fault, code), count) in &ends {
-        let none = || "mpirun has not ended, or processes".to_owned();
+        let none = || "the launcher has not ended, its processes have".to_owned();
         let code = code.map_or_else(none, |code| format!("code {code}"));
         println!("{fault:?}: {code}: {count}");
     }
-    println!("at most {longest:.1} s from a signal, or from the start, to the end");
+    for (fault, seconds) in &longest {
+        let since = if *fault == Fault::Panic { "start" } else { "signal" };
+        println!("{fault:?}: at most {seconds:.1} s from the {since} to the last process's end");
+    }
     match wrong.is_empty() {
         true => {
             println!("{count} jobs with faults: no process hangs, each with its code");
@@ -164,7 +208,7 @@ fn living_of(bench: &Bench, ranks: u32) -> usize {
 
 /// A job without a fault: its hash, and its time.
 fn alone(bench: &Bench, job: usize, ranks: u32) -> Result<Sound, String> {
-    let mut command = bench.job(ranks, &[]);
+    let mut command = bench.job(ranks, false);
     command.arg(&bench.ranked).arg("--quiet").args(JOBS[job]);
     let Outcome { code, stdout, stderr, seconds } = watched(&mut command, WATCHDOG)?;
     match code {
@@ -174,11 +218,12 @@ fn alone(bench: &Bench, job: usize, ranks: u32) -> Result<Sound, String> {
 }
 
 /// The thing that is wrong with an end, if something is.
-fn amiss(outcome: &Outcome, fault: Fault, sound: &Sound) -> Option<String> {
+fn amiss(bench: &Bench, outcome: &Outcome, fault: Fault, sound: &Sound) -> Option<String> {
+    let codes = fault.codes(bench);
     let Outcome { code, stdout, stderr, .. } = outcome;
     match code {
         Some(0) if *stdout != sound.stdout => Some(format!("{stdout}, not {}", sound.stdout)),
-        Some(code) if fault.codes().contains(code) => None,
-        _ => Some(format!("code {code:?}, not of {:?}\n{stderr}", fault.codes())),
+        Some(code) if codes.contains(code) => None,
+        _ => Some(format!("code {code:?}, not of {codes:?}\n{stderr}")),
     }
 }

@@ -124,8 +124,9 @@ fn median(bench: &Bench, points: &str, jobs: Jobs) -> Result<Figures, String> {
     let Jobs { beside, processes, delay } = jobs;
     for _ in 0..RUNS {
         let start = |k: usize| {
+            let mut job = bench.job(processes, false);
             // Open MPI binds the first process of each job to the same core.
-            let mut job = bench.job(processes, &["--bind-to", "none"]);
+            job.env("OMPI_MCA_hwloc_base_binding_policy", "none");
             job.env("LTBW_MPI_LATENCY_US", delay.to_string()).arg(&bench.ranked);
             job.args(["--quiet", "delaunay", &input, "--check", "off", "--json"]);
             begin(job.arg(report_of(k)))
