@@ -1,8 +1,9 @@
 //! `paper`: the tables and figures of Chrisochoides and Nave (2003). The measuring is the program
 //! `measure_paper` of the tests package; here are the builds, and where the result goes.
 
+use crate::mpi::library::{Found, LIBRARIES};
 use crate::shell::{self, cargo, program, root, target};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The page that has the tables of the last run with `--write`.
 const PAGE: &str = "docs/paper-tables.md";
@@ -17,8 +18,13 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     if let Err(reason) = &traditional {
         eprintln!("note: no program for the traditional way: {reason}");
     }
+    let ranks = ranks(&folder);
+    if let Err(reason) = &ranks {
+        eprintln!("note: no program for ranks: {reason}");
+    }
     let mut measure = shell::of_tests("measure_paper");
-    measure.arg(program).arg(traditional.unwrap_or_else(|_| "-".into())).arg(&folder);
+    let or_none = |path: Result<PathBuf, String>| path.unwrap_or_else(|_| "-".into());
+    measure.arg(program).arg(or_none(traditional)).arg(or_none(ranks)).arg(&folder);
     shell::run(measure.args(&rest))?;
     if write.is_empty() {
         return Ok(());
@@ -29,7 +35,8 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     let head = format!(
         "# The paper's tables and figures\n\nMade by `{} --write`; [what they stand \
          for](paper.md). \
-         Each row says whether it is *run* on one machine, *simulated*, or *the paper's*.\n\n",
+         Each row says whether it is *run* on one machine, *run on ranks* there, *simulated*, \
+         or *the paper's*.\n\n",
         command.trim_end()
     );
     let path = root().join(PAGE);
@@ -45,4 +52,22 @@ fn traditional() -> Result<PathBuf, String> {
     build.args(["build", "--quiet", "--release", "--locked", "--manifest-path"]).arg(manifest);
     shell::run(build.arg("--target-dir").arg(&folder))?;
     Ok(folder.join("release/ltbw-traditional"))
+}
+
+/// A program that runs `ltbw-mpi` on as many processes as its first argument says, by the first MPI
+/// that is here.
+fn ranks(folder: &Path) -> Result<PathBuf, String> {
+    let found = LIBRARIES.iter().map(|library| library.find());
+    let mpi: Found = found.reduce(Result::or).unwrap_or_else(|| Err("no MPI".to_owned()))?;
+    let program = mpi.build(false)?;
+    std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
+    let script = folder.join("ranks.sh");
+    let text = format!(
+        "#!/bin/sh\nranks=$1\nshift\nexec {} '{}' \"$@\"\n",
+        mpi.words("\"$ranks\""),
+        program.display()
+    );
+    std::fs::write(&script, text).map_err(|error| format!("{}: {error}", script.display()))?;
+    shell::run(shell::command("chmod").arg("+x").arg(&script))?;
+    Ok(script)
 }

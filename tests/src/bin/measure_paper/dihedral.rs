@@ -3,13 +3,19 @@
 
 use crate::Failure;
 use crate::chart::{Series, lines};
-use crate::programs::{Programs, number};
+use crate::estimate::Work;
+use crate::programs::{Plan, Programs, number};
 use crate::table::{Block, Picture, Table, cells, percent};
 use serde_json::Value;
 
 /// Angles below and above which the shares of dihedral angles are told.
 const SMALL: f64 = 20.0;
 const LARGE: f64 = 140.0;
+
+/// The work of this figure.
+pub(crate) fn work(plan: &Plan) -> Work {
+    Work { meshed: 3.0 * plan.gear.millions(), ..Work::default() }
+}
 
 pub(crate) fn figure(programs: &Programs) -> Result<Vec<Block>, Failure> {
     let ways: [(&str, &[&str]); 3] = [

@@ -1,12 +1,21 @@
 //! Table III: the partitions that each way leaves.
 
 use crate::Failure;
-use crate::programs::{Programs, number};
+use crate::estimate::Work;
+use crate::programs::{Plan, Programs, number};
 use crate::table::{Block, Table, cells};
 
 /// The paper's 16 SP nodes, as near as its figures tell: processors as of its workstations on a
 /// switch of 150 MB/s.
 pub(crate) const SP: [&str; 6] = ["--machine", "cow", "--bandwidth", "1.2", "--latency", "40us"];
+
+/// The work of this table.
+pub(crate) fn work(plan: &Plan) -> Work {
+    plan.model.iter().map(|own| own.millions()).fold(Work::default(), |sum, millions| {
+        let metis = Work { traditional: millions, ..Work::default() };
+        sum + metis + Work::simulated(2, millions)
+    })
+}
 
 pub(crate) fn partitions(programs: &Programs) -> Result<Vec<Block>, Failure> {
     let mut rows: Vec<Vec<String>> = Vec::new();

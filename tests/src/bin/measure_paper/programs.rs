@@ -19,6 +19,14 @@ const fn problem(kind: &'static str, size: &'static str, volume: &'static str) -
     Problem { kind, size, volume }
 }
 
+impl Problem {
+    /// Its tetrahedra, in millions.
+    pub(crate) fn millions(self) -> f64 {
+        let unit = if self.size.ends_with('k') { 1e-3 } else { 1.0 };
+        unit * self.size.trim_end_matches(['k', 'M']).parse().unwrap_or(1.0)
+    }
+}
+
 /// The sizes of a plan: with `--full` the paper's own, with `--small` what takes seconds, and shows
 /// that all works; else what takes minutes.
 pub(crate) struct Plan {
@@ -89,6 +97,7 @@ const USUAL: Plan = Plan {
 pub(crate) struct Programs {
     pub(crate) ltbw: PathBuf,
     pub(crate) traditional: Option<PathBuf>,
+    pub(crate) ranks: Option<PathBuf>,
     pub(crate) folder: PathBuf,
     pub(crate) plan: Plan,
 }
@@ -103,12 +112,31 @@ impl Programs {
 
     /// The report of `ltbw mesh` on a domain.
     pub(crate) fn meshed(&self, problem: Problem, options: &[&str]) -> Result<Value, Failure> {
-        let file = self.folder.join(format!("{}.poly", problem.kind));
-        let file = file.to_str().ok_or("a folder whose name is no text")?;
-        let generate = ["generate", problem.kind, "-o", file, "--quiet"];
-        said(Command::new(&self.ltbw).args(generate))?;
-        let mesh = ["mesh", file, "--max-volume", problem.volume, "--quiet", "--json", "-"];
+        let file = self.generated(problem)?;
+        let mesh = ["mesh", &file, "--max-volume", problem.volume, "--quiet", "--json", "-"];
         self.report(&[&mesh[..], options].concat())
+    }
+
+    /// The report of `ltbw-mpi mesh` on a domain; `None` where there is no MPI, which is said.
+    pub(crate) fn on_ranks(&self, problem: Problem, ranks: u32) -> Result<Option<Value>, Failure> {
+        let Some(program) = &self.ranks else {
+            skip("meshing on ranks", "mpi", "its program was not built")?;
+            return Ok(None);
+        };
+        let (file, ranks) = (self.generated(problem)?, ranks.to_string());
+        let words = ["mesh", &file, "--max-volume", problem.volume, "--quiet", "--json", "-"];
+        eprintln!("{ranks} ranks: ltbw-mpi {}", words.join(" "));
+        let text = said(Command::new(program).arg(&ranks).args(words))?;
+        Ok(Some(serde_json::from_str(&text)?))
+    }
+
+    /// The file of a domain.
+    fn generated(&self, problem: Problem) -> Result<String, Failure> {
+        let file = self.folder.join(format!("{}.poly", problem.kind));
+        let file = file.to_str().ok_or("a folder whose name is no text")?.to_owned();
+        let generate = ["generate", problem.kind, "-o", &file, "--quiet"];
+        said(Command::new(&self.ltbw).args(generate))?;
+        Ok(file)
     }
 
     /// The report of the traditional way, with that many parts; `None` where there is no program

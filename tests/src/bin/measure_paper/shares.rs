@@ -3,8 +3,9 @@
 
 use crate::Failure;
 use crate::chart::{Series, lines, stacked};
+use crate::estimate::Work;
 use crate::machine::SP;
-use crate::programs::{Problem, Programs, number, workers};
+use crate::programs::{Plan, Problem, Programs, number, workers};
 use crate::table::{Block, Picture, Table, cells, of_nanos, percent};
 use serde_json::Value;
 
@@ -23,6 +24,22 @@ fn run(
     let count = processors.to_string();
     let own = ["--processors", &count, "--ownership", ownership];
     programs.simulated(problem, &[&SP[..], &own].concat())
+}
+
+/// Simulated runs of some problems.
+fn simulated(runs: usize, problems: &[Problem]) -> Work {
+    let all = problems.iter().map(|own| Work::simulated(runs, own.millions()));
+    all.fold(Work::default(), |sum, own| sum + own)
+}
+
+/// The work of Figure 5.
+pub(crate) fn work_over_processors(plan: &Plan) -> Work {
+    simulated(WAYS.len() * PROCESSORS.len(), plan.scaling)
+}
+
+/// The work of Figure 7.
+pub(crate) fn work_of_cavities(plan: &Plan) -> Work {
+    simulated(1, plan.tee)
 }
 
 /// Shares of the time on 16 processors, and whole times over processors.

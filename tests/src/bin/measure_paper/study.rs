@@ -3,7 +3,8 @@
 
 use crate::Failure;
 use crate::chart::{Series, lines};
-use crate::programs::{Programs, number};
+use crate::estimate::Work;
+use crate::programs::{Plan, Programs, number};
 use crate::table::{Block, Picture, Table, cells, of_nanos, percent};
 
 /// A factor, and the values that it takes while all others are as usual.
@@ -30,6 +31,12 @@ const FACTORS: [Factor; 4] = [
 
 /// The rules for a request that meets a lock.
 const RULES: [(&str, &str); 2] = [("wound-wait", "ours"), ("paper", "the paper's rule")];
+
+/// The work of the study.
+pub(crate) fn work(plan: &Plan) -> Work {
+    let values: usize = FACTORS.iter().map(|factor| factor.values.len()).sum();
+    Work::simulated(RULES.len() * values, plan.study.millions())
+}
 
 pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {
     let mut blocks = Vec::new();

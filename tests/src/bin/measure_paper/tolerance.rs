@@ -1,7 +1,8 @@
 //! Tables IV to VI: cavities, latency tolerance, polling; for the processors that the paper shows.
 
 use crate::Failure;
-use crate::programs::{Programs, number, workers};
+use crate::estimate::Work;
+use crate::programs::{Plan, Programs, number, workers};
 use crate::table::{Block, Table, of_nanos, percent};
 use serde_json::Value;
 
@@ -22,6 +23,12 @@ struct Row<const N: usize> {
     name: &'static str,
     figure: Figure,
     paper: [&'static str; N],
+}
+
+/// The work of these tables.
+pub(crate) fn work(plan: &Plan) -> Work {
+    let runs = plan.cubes.iter().map(|own| Work::simulated(RULES.len(), own.millions()));
+    runs.fold(Work::default(), |sum, own| sum + own)
 }
 
 pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {

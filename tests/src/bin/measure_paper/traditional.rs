@@ -1,7 +1,8 @@
 //! Tables I and II: the traditional way beside a mesh that is made where it stays.
 
 use crate::Failure;
-use crate::programs::{Problem, Programs, number};
+use crate::estimate::Work;
+use crate::programs::{Plan, Problem, Programs, number};
 use crate::table::{Block, Table, cells, seconds};
 use ltbw_tests::median;
 use serde_json::Value;
@@ -19,8 +20,9 @@ struct Taken {
     tets: f64,
     /// Of the traditional way: generate, write, read, graph, partition, deal.
     steps: [f64; 6],
-    /// Of workers that make the parts in place.
+    /// Of workers that make the parts in place, and of ranks of an MPI, if one is here.
     ours: f64,
+    on_ranks: Option<f64>,
 }
 
 impl Taken {
@@ -30,6 +32,13 @@ impl Taken {
 }
 
 const STEPS: [&str; 6] = ["generate", "write", "read", "graph", "partition", "deal"];
+
+/// The work of these tables.
+pub(crate) fn work(plan: &Plan) -> Work {
+    let millions: f64 = plan.model.iter().map(|own| own.millions()).sum();
+    let own = RUNS as f64 * millions;
+    Work { traditional: own, meshed: 2.0 * own, ..Work::default() }
+}
 
 pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {
     let workers = std::thread::available_parallelism()?.get().clamp(2, MOST_WORKERS);
@@ -44,7 +53,8 @@ pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {
 }
 
 fn taken(programs: &Programs, problem: Problem, workers: usize) -> Result<Option<Taken>, Failure> {
-    let (mut steps, mut ours, mut tets) = (vec![Vec::new(); STEPS.len()], Vec::new(), 0.0);
+    let (mut steps, mut tets) = (vec![Vec::new(); STEPS.len()], 0.0);
+    let (mut ours, mut on_ranks) = (Vec::new(), Vec::new());
     for _ in 0..RUNS {
         let Some(report) = programs.traditional(problem, PARTS)? else { return Ok(None) };
         for (name, list) in STEPS.iter().zip(&mut steps) {
@@ -56,12 +66,18 @@ fn taken(programs: &Programs, problem: Problem, workers: usize) -> Result<Option
             return Err("workers have made another mesh".into());
         }
         ours.push(number(&report, &["seconds", "refine"])?);
+        let Some(report) = programs.on_ranks(problem, workers as u32)? else { continue };
+        if number(&report, &["mesh", "tets"])? != tets {
+            return Err("ranks have made another mesh".into());
+        }
+        on_ranks.push(number(&report, &["seconds", "refine"])?);
     }
     let mut medians = [0.0; 6];
     for (value, list) in medians.iter_mut().zip(&mut steps) {
         *value = median(list);
     }
-    Ok(Some(Taken { problem, tets, steps: medians, ours: median(&mut ours) }))
+    let on_ranks = (!on_ranks.is_empty()).then(|| median(&mut on_ranks));
+    Ok(Some(Taken { problem, tets, steps: medians, ours: median(&mut ours), on_ranks }))
 }
 
 /// The seconds of a step on the clock.
@@ -111,9 +127,12 @@ fn table_2(all: &[Taken], workers: usize) -> Table {
     };
     let mut rows: Vec<Vec<String>> = all
         .iter()
-        .map(|own| {
-            let name = format!("run, {} on {workers} workers", own.problem.size);
-            row(name, [own.steps[0], own.traditional(), own.ours])
+        .flat_map(|own| {
+            let size = own.problem.size;
+            let by = |name, ours| row(name, [own.steps[0], own.traditional(), ours]);
+            let ranks =
+                own.on_ranks.map(|ours| by(format!("run on ranks, {size} on {workers}"), ours));
+            [by(format!("run, {size} on {workers} workers"), own.ours)].into_iter().chain(ranks)
         })
         .collect();
     let paper = [
@@ -129,9 +148,9 @@ fn table_2(all: &[Taken], workers: usize) -> Table {
         rows,
         below:
             "In place: from the domain to parts that stay where they are, by workers that share \
-                nothing; the start, and putting the parts together at the end, are in it. The \
-                paper has 16 processors: with fewer the sequential part, which is most of the \
-                traditional way, counts for less."
+                nothing, threads of one program or processes of an MPI on this machine (ranks); \
+                the start and the end are in it. The paper has 16 processors: with fewer the \
+                sequential part, which is most of the traditional way, counts for less."
                 .into(),
     }
 }
