@@ -2,7 +2,7 @@
 //! the mesh is that of the engine, whatever the number of workers and the timing.
 
 use ltbw::domain::{PrepareOptions, Prepared};
-use ltbw::mesh::{Layout, Ownership};
+use ltbw::mesh::{Layout, Ownership, Redeal};
 use ltbw::protocol::{Config, Correct, Rules, WorkerId};
 use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
 use ltbw::refining::{Ending, RefineError, SimulatedRounds, rounds_on_threads, simulate_rounds};
@@ -91,6 +91,7 @@ pub(crate) fn one_mesh(
         let is_done = plain.stats.round_points == 0 || run.ending == Ok(Ending::Irregular);
         assert!(run.ending.is_err() || is_done || run.figures.points > 0, "{name}");
     }
+    redealt(name, refiner, ready, &engine);
     let mut ending = None;
     for (processors, latency) in [(1, 0), (2, 1_200), (16, 100_000), (64, 10_000)] {
         let run = simulated(refiner, ready, (processors, latency));
@@ -100,6 +101,26 @@ pub(crate) fn one_mesh(
         ending = Some(run.ending);
     }
     ending.expect("a run")
+}
+
+/// Refines by workers whose cuts move after every round, or every few: the engine's mesh.
+fn redealt(name: &str, refiner: &Refiner<'_>, ready: &Prepared, engine: &Refined) {
+    let whole = (&ready.domain, &ready.lattice);
+    for (workers, every, ownership) in [(3, 2, Ownership::Newest), (8, 1, Ownership::Block)] {
+        let name = format!("{name}, {workers} threads, cuts move every {every} rounds");
+        let layout = Layout { ownership, redeal: Redeal::Every(every), ..Layout::new(0, workers) };
+        let parallel = Parallel::new(workers).layout(layout);
+        let run = rounds_on_threads(refiner, whole, &parallel).expect("a run ends");
+        same(&name, &run.refined, engine);
+    }
+    let layout = |points| {
+        let ownership = Ownership::Creator;
+        let layout = Layout { ownership, redeal: Redeal::Every(1), ..Layout::new(points, 5) };
+        (layout, Config::new(5))
+    };
+    let options = Options { check_every: 20_000, ..options(1_200) };
+    let run = simulate_rounds::<Correct>(refiner, whole, layout, &options).expect("a run ends");
+    same(&format!("{name}, cuts move on processors"), &run.refined, engine);
 }
 
 #[test]
@@ -115,6 +136,27 @@ fn the_papers_problems_have_the_engines_mesh_on_any_number_of_workers() {
         let refiner = Refiner::new().max_volume(volume).start(0);
         let ending = one_mesh(&format!("{kind:?}"), &refiner, &ready);
         assert_eq!(ending, Ok(Ending::Done), "{kind:?}");
+    }
+}
+
+/// Cuts move as often as they are told to, and tetrahedra with them.
+#[test]
+fn cuts_move_between_rounds() {
+    let ready = prepared(DomainKind::CubeOctahedron, &Shape::default());
+    let whole = (&ready.domain, &ready.lattice);
+    let refiner = Refiner::new().max_volume(3e-4).start(64);
+    let engine = refiner.refine(whole.0, whole.1).expect("a mesh");
+    for workers in [1, 2, 3, 8] {
+        for every in [1, 4] {
+            let layout = Layout { redeal: Redeal::Every(every), ..Layout::new(0, workers) };
+            let parallel = Parallel::new(workers).layout(layout);
+            let run = rounds_on_threads(&refiner, whole, &parallel).expect("a run ends");
+            same(&format!("{workers} workers, {every}"), &run.refined, &engine);
+            let (figures, redeals) = (run.figures, run.figures.rounds[0] / every);
+            assert_eq!(figures.redeals > 0 && figures.moved > 0, workers > 1, "{figures:?}");
+            assert!(figures.redeals <= redeals, "{figures:?}");
+            assert!(workers == 1 || 2 * figures.redeals > redeals, "{figures:?}");
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use ltbw_core::submesh::StarTet;
 use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
 
-fn unknown(what: &'static str, number: u32) -> SubmeshError {
+pub(super) fn unknown(what: &'static str, number: u32) -> SubmeshError {
     SubmeshError::Unknown { what, number }
 }
 
@@ -179,7 +179,7 @@ impl LocalMesh {
     }
 
     /// Is it the name of a vertex, as far as that can be told: is a given one among those given?
-    fn check_vertex(&self, name: VertexName) -> Result<(), SubmeshError> {
+    pub(super) fn check_vertex(&self, name: VertexName) -> Result<(), SubmeshError> {
         let known = given(name).is_none_or(|place| place < self.blocks.end());
         if known { Ok(()) } else { Err(unknown("a vertex", count_of(name))) }
     }

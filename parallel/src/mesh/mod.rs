@@ -12,7 +12,7 @@
 //! | `piece` | the owner's side: what is in conflict, locked at once and described |
 //! | `fill` | the home's retriangulation of a cavity, as one patch per owner |
 //! | `apply` | patches, and tetrahedra that move |
-//! | `start` | vertices along the curve, and workers ready to run |
+//! | `start`, `redeal` | vertices along the curve, and workers ready to run; other cuts later |
 //! | `coarse` | the coarse mesh, distributed |
 //! | `gather`, `share` | the submeshes, put together; as values that travel |
 //! | `inspect` | what checkers of the protocol see |
@@ -34,6 +34,7 @@ mod name;
 mod piece;
 mod point_queue;
 pub(crate) mod probe;
+pub(crate) mod redeal;
 #[cfg(feature = "wire")]
 pub mod share;
 pub(crate) mod start;
@@ -41,12 +42,13 @@ mod vertices;
 mod wire;
 
 pub use blocks::Blocks;
+pub(crate) use blocks::{Few, Mark};
 pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
 pub(crate) use probe::Again;
 pub(crate) use start::Wanted;
-pub use start::{Layout, Ownership, Prepared, Ready, SharedInput};
+pub use start::{Layout, Ownership, Prepared, Ready, Redeal, SharedInput};
 #[cfg(feature = "wire")]
 pub(crate) use start::{Sample, Sampled, Stretch};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
@@ -171,8 +173,7 @@ impl LocalMesh {
         })
     }
 
-    /// Number of vertices that have a number here: those of the own stretch, and all corners so far
-    /// of cavities from which tetrahedra came.
+    /// Number of vertices that have a number here: those of the own stretch, and all that came.
     pub fn num_vertices(&self) -> usize {
         self.vertices.next().index() - 1
     }

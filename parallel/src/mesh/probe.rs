@@ -1,6 +1,6 @@
 //! The view of a submesh for one that keeps more of its vertices and tetrahedra.
 
-use super::{LocalMesh, VertexName, WireVertex, blocks, made};
+use super::{Blocks, LocalMesh, VertexName, WireVertex, blocks, made};
 use crate::protocol::{BlockId, Directory, Insert, Walk};
 use ltbw_core::cavity::Cavity;
 use ltbw_core::submesh::{Earlier, Owns};
@@ -106,6 +106,16 @@ impl LocalMesh {
     /// Looks for a tetrahedron in conflict with a point, from one here on.
     pub(crate) fn seek(&mut self, p: &Point, from: Option<TetId>) -> Walk<TetId> {
         self.tets.walk(INFINITE, p, from)
+    }
+
+    /// Its blocks.
+    pub(crate) fn blocks(&self) -> &Blocks {
+        &self.blocks
+    }
+
+    /// The key of a place along the curve.
+    pub(crate) fn key(&self, p: &Point) -> u64 {
+        self.blocks.key(p)
     }
 
     /// The block of a vertex that would be made at a place.

@@ -10,6 +10,7 @@ use super::name::{NOWHERE, Place, VertexName, made_by};
 use crate::protocol::{BlockId, WorkerId};
 use ltbw_core::expect;
 use ltbw_core::topology::{INFINITE, VertexId};
+use ltbw_exact::Point;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
@@ -51,6 +52,14 @@ impl Vertices {
     /// Takes memory for this many vertices. A hint.
     pub(super) fn expect(&mut self, vertices: usize) {
         expect(&mut self.others, vertices);
+    }
+
+    /// Other blocks, of vertices at these places.
+    pub(super) fn recut(&mut self, blocks: Blocks, point: impl Fn(VertexId) -> Point) {
+        for (other, v) in self.others.iter_mut().zip(self.run + 1..) {
+            other.block = blocks.of_name(other.name, &point(VertexId::new(v)));
+        }
+        self.blocks = blocks;
     }
 
     /// The numbers of vertices at places of the own stretch.

@@ -104,6 +104,17 @@ impl Summary {
         }
     }
 
+    /// Adds a time in which all deal out the mesh anew, each at work for some of it.
+    pub(crate) fn pause(&mut self, all: Nanos, own: &[Nanos]) {
+        for (worker, &own) in self.workers.iter_mut().zip(own) {
+            worker.times.balancing += own;
+            worker.times.idle += all - own;
+            self.times.balancing += own;
+            self.times.idle += all - own;
+        }
+        self.makespan += all;
+    }
+
     /// Tells the time of attempts that succeeded from that of attempts that were set back, for the
     /// worker that spent it. The time of an operation whose point was a vertex already, or that was
     /// never finished, is neither.

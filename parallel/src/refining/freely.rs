@@ -3,7 +3,7 @@
 use super::RefineError;
 use super::domain::{BadItems, DomainMesh, DomainNode, Splits, prepare};
 use super::whole::{Owners, Part, Whole, put_together};
-use crate::mesh::Layout;
+use crate::mesh::{Layout, Redeal};
 use crate::metrics::Summary;
 use crate::protocol::{Config, Correct, Rules};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
@@ -67,6 +67,8 @@ fn refine<'a, C: Rules, R>(
         mesh.let_blocks_move();
         BadItems::new(me, share, mesh)
     };
+    // Blocks move one by one there.
+    let layout = Layout { redeal: Redeal::Never, ..layout };
     let (workers, common) = prepare::<_, C>(complex, start, &layout, config, items)?;
     let (mut splits, mut parts) = (Splits::default(), Vec::new());
     let (workers, told) = run(workers)?;

@@ -1,5 +1,6 @@
 //! The costs of work and messages for a simulated processor.
 
+use crate::mesh::redeal::Moved;
 use crate::protocol::Costs;
 
 /// Times in nanoseconds of a processor of ordinary speed.
@@ -95,6 +96,17 @@ impl CostModel {
     /// The time that it takes its receiver.
     pub fn receiving(&self, bytes: u64, goes_along: bool) -> f64 {
         bytes as f64 * self.byte + if goes_along { 0.0 } else { self.receive }
+    }
+
+    /// The time of a redeal for one worker, beside what it is told by all.
+    pub(super) fn redeal(&self, own: &Moved) -> f64 {
+        let &Moved { had, left, came, messages, bytes, .. } = own;
+        self.step
+            + had as f64 * (self.test + self.walk_step)
+            + (left + came) as f64 * self.created
+            // As many are sent as taken, in all.
+            + messages as f64 * (self.send + self.receive) / 2.0
+            + bytes as f64 * self.byte
     }
 
     /// Are all figures finite and none negative?

@@ -21,6 +21,7 @@ mod mesh;
 mod network;
 mod options;
 mod processor;
+mod redeal;
 mod whole;
 
 pub use crate::payload::Payload;

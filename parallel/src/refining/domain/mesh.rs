@@ -151,6 +151,10 @@ impl<'c> DomainMesh<'c> {
         self.carriers.at(v)
     }
 
+    pub(super) fn set_carrier(&mut self, v: VertexId, carrier: Carrier) {
+        self.carriers.set(v, carrier);
+    }
+
     /// Is a vertex on the boundary?
     pub(crate) fn is_bound(&self, v: VertexId) -> bool {
         self.carriers.is_bound(v)

@@ -16,6 +16,8 @@ pub enum Ending {
     Cancelled,
     /// As many rounds were carried out as were asked for at once.
     Border,
+    /// The cuts between the workers' parts are to move; they go on then.
+    Redeal,
 }
 
 /// The figures of the rounds, of one worker or of all.
@@ -41,6 +43,10 @@ pub struct RoundFigures {
     pub barriers: u64,
     /// Times that all workers had ended, and one took over.
     pub ended: u64,
+    /// Times that the cuts between the workers' parts have moved.
+    pub redeals: u64,
+    /// Tetrahedra that have changed their worker by that.
+    pub moved: u64,
 }
 
 impl RoundFigures {
@@ -51,7 +57,8 @@ impl RoundFigures {
             all.iter().fold(before, |sum, own| sum + of(own).saturating_sub(before))
         };
         let (searches, ahead) = (sum(|own| own.searches), sum(|own| own.ahead));
-        Self { searches, ahead, ..all.first().copied().unwrap_or(begin) }
+        let moved = sum(|own| own.moved);
+        Self { searches, ahead, moved, ..all.first().copied().unwrap_or(begin) }
     }
 
     /// The figures of a refinement that had others before the rounds since `begin`.

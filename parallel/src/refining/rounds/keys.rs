@@ -164,6 +164,37 @@ impl SharedKeys {
         self.refused.extend(refused);
     }
 
+    /// Why a tetrahedron was refused, if it was.
+    pub(super) fn refusal(&self, mesh: &DomainMesh<'_>, t: TetId) -> Option<Refusal> {
+        self.refused.get(&(t, mesh.inner.tets().vertices(t))).copied()
+    }
+
+    /// Tetrahedra are to leave in a redeal.
+    pub(super) fn leave(&mut self, tets: impl Iterator<Item = TetId>) {
+        self.own.begin_look();
+        tets.for_each(|t| self.own.forget(t));
+    }
+
+    /// Tetrahedra have come in a redeal: nothing that was told of interface faces holds any more.
+    pub(super) fn come(&mut self, mesh: &DomainMesh<'_>, tets: impl Iterator<Item = TetId>) {
+        let Self { own, thin, refused, has_helpless, .. } = std::mem::take(self);
+        *self = Self { own, thin, refused, has_helpless, ..Self::default() };
+        self.make_room(mesh);
+        self.leave(tets);
+    }
+
+    /// Enters tetrahedra that have come and are over their bounds, by their keys.
+    pub(super) fn enter_over<C: Rules>(&mut self, mesh: &DomainMesh<'_>, over: &[(TetId, u64)]) {
+        let first = self.own.count();
+        over.iter().for_each(|&(t, key)| self.own.enter(t, key));
+        self.own.find_witnesses(&RankedHere::<C>::of(mesh), first);
+    }
+
+    /// Notes one that has come and may have tiny dihedral angles.
+    pub(super) fn enter_thin(&mut self, mesh: &DomainMesh<'_>, t: TetId) {
+        self.thin.tets.push((t, mesh.inner.tets().vertices(t)));
+    }
+
     /// Forgets those that are gone; finds the interface faces that are new.
     pub(super) fn start(&mut self, mesh: &mut DomainMesh<'_>) {
         if !self.is_watching {

@@ -37,6 +37,7 @@
 //! | `demands` | boundary items to be split, and who waits for whom |
 //! | `refused` | what cannot be split, and who knows |
 //! | `left` | what workers are given, and leave |
+//! | `pace`, `redeal`, `deal` | when cuts move, and to where; what goes along; all workers' part |
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
 //! | `way` | straight ways to proposed points |
@@ -52,6 +53,7 @@ mod candidate;
 mod circles;
 mod conduct;
 mod contest;
+mod deal;
 mod decide;
 mod demands;
 mod figures;
@@ -61,12 +63,14 @@ mod keys;
 mod leaders;
 mod left;
 mod mail;
+mod pace;
 #[cfg(feature = "wire")]
 mod parts;
 mod probe;
 mod ranked;
 #[cfg(feature = "wire")]
 mod ranks;
+mod redeal;
 mod refused;
 mod reserved;
 mod ruled;
@@ -89,10 +93,13 @@ pub use reserved::unkilled;
 pub use source::Rounds;
 pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
 
+use self::deal::{Common, Here, redeal};
+use self::pace::Pace;
 use super::RefineError;
 use super::domain::{DomainMesh, prepare};
 use super::whole::{Owners, Part, Whole, put_together};
 use crate::balance::Workload;
+use crate::mesh::redeal::Moved;
 use crate::mesh::{Layout, SharedInput};
 use crate::metrics::Summary;
 use crate::protocol::{BlockId, Config, Correct, Rules, Worker, WorkerId};
@@ -165,6 +172,9 @@ enum Then {
     One(Option<Box<Handed>>),
 }
 
+/// All workers.
+type Nodes<'c, C> = Vec<RoundNode<'c, C>>;
+
 /// Workers, and what they have in common.
 type Begun<'c, C> = (Vec<RoundNode<'c, C>>, SharedInput);
 
@@ -193,8 +203,8 @@ struct Left {
     figures: RoundFigures,
 }
 
-/// A refinement in rounds by workers, whichever way they run: `run` is given them, and gives them
-/// back.
+/// A refinement in rounds by workers, whichever way they run: `run` is given them, with what a
+/// redeal before has taken, and gives them back.
 ///
 /// # Errors
 /// Those of `run`; [`RefineError`] if the domain has no mesh.
@@ -202,7 +212,7 @@ fn refine<'a, C: Rules>(
     refiner: &Refiner<'a>,
     (domain, lattice): (&Domain, &Lattice),
     layout: impl Fn(usize) -> (Layout, Config),
-    mut run: impl FnMut(Vec<RoundNode<'a, C>>) -> Result<Vec<RoundNode<'a, C>>, RefineError>,
+    mut run: impl FnMut(Nodes<'a, C>, &[Moved]) -> Result<Nodes<'a, C>, RefineError>,
 ) -> Result<AllRounds, RefineError> {
     let mut delegated = refiner.delegate(domain, lattice)?;
     let mut resumed = Resumed::default();
@@ -213,9 +223,16 @@ fn refine<'a, C: Rules>(
             Ok(whole) => whole,
             Err(unfit) => return Ok((delegated.go_on()?, Err(unfit), resumed.figures, firsts)),
         };
-        let layout = layout(start.points.len());
-        let (workers, common) = begin(complex, &start, layout, &resumed)?;
-        let left = run(workers)?.into_iter().map(left_by).collect();
+        let (layout, config) = layout(start.points.len());
+        let (workers, common) = begin(complex, &start, (layout, config), &resumed)?;
+        let mut workers = run(workers, &[])?;
+        // Ends: a round is between two redeals.
+        while deal::is_due(&workers) {
+            let own = Common { points: &common.points, layout, config };
+            let (next, moved) = redeal(workers, own, &mut Here)?;
+            workers = run(next, &moved)?;
+        }
+        let left = workers.into_iter().map(left_by).collect();
         let mut figures = resumed.figures;
         let (handed, ending, slots) =
             join(left, common, (&start, delegated.stats()), &mut figures)?;
@@ -278,7 +295,11 @@ pub fn simulate_rounds<C: Rules>(
 ) -> Result<SimulatedRounds, RefineError> {
     let options = Options { balance: None, storm: None, ..options.clone() };
     let (mut summary, mut events) = (None::<Summary>, 0);
-    let run = |workers| {
+    let run = |workers, moved: &[Moved]| {
+        if let Some(all) = summary.as_mut().filter(|_| !moved.is_empty()) {
+            let pause = options.redeal(moved);
+            all.pause(pause.all, &pause.own);
+        }
         let run = simulate(workers, &options).map_err(MeshError::from)?;
         let Simulation { workers, summary: own, events: more, .. } = run;
         events += more;
@@ -302,8 +323,9 @@ pub fn rounds_by<'a, C: Rules>(
     refiner: &Refiner<'a>,
     whole: (&Domain, &Lattice),
     layout: impl Fn(usize) -> (Layout, Config),
-    run: impl FnMut(Vec<RoundNode<'a, C>>) -> Result<Vec<RoundNode<'a, C>>, RefineError>,
+    mut run: impl FnMut(Vec<RoundNode<'a, C>>) -> Result<Vec<RoundNode<'a, C>>, RefineError>,
 ) -> Result<(Refined, Result<Ending, ComplexError>), RefineError> {
+    let run = |workers, _: &[Moved]| run(workers);
     let (refined, ending, ..) = refine::<C>(refiner, whole, layout, run)?;
     Ok((refined, ending))
 }
@@ -319,7 +341,7 @@ pub fn rounds_on_threads(
 ) -> Result<ThreadedRounds, RefineError> {
     let mut workers: Vec<WorkerStats> = Vec::new();
     let layout = |points| (parallel.plan_for(points), parallel.config());
-    let run = |nodes| {
+    let run = |nodes, _: &[Moved]| {
         let ended = parallel.run_workers(nodes)?;
         workers.resize(ended.len(), WorkerStats::default());
         let add = |((node, stats), sum): ((_, WorkerStats), &mut WorkerStats)| {
@@ -341,12 +363,14 @@ fn begin<'c, C: Rules>(
 ) -> Result<Begun<'c, C>, RefineError> {
     let before = start.made();
     let others = start.points.len() as u64 - before;
+    let active = layout.redeal.active(start.points.len() as u64, layout.workers);
     let source = |me, mesh: &mut DomainMesh<'_>| {
         let place = (me, layout.workers, layout.blocks_per_worker);
         let mut source = Rounds::new(place, [before, start.most, others], mesh);
         source.expect_tets(start.expected_of(layout.workers));
         source.resume(mesh, &resumed.left, resumed.figures);
         source.border = resumed.border;
+        source.pace = Pace::new(layout.redeal, active);
         source
     };
     prepare(complex, start, &layout, config, source)

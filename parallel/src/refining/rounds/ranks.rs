@@ -2,6 +2,7 @@
 //! keeps its part; where something is left that takes the whole mesh the first one puts together
 //! what they leave, as it does with threads.
 
+use super::deal::{self, Common, Exchange, To, Value, redeal};
 use super::parts::{Ended, Late, Own, RefinedPart};
 use super::{
     Ending, Left, Resumed, RoundNode, Then, ThreadedRounds, begin, ended_by, finish, go_on, join,
@@ -9,7 +10,7 @@ use super::{
 };
 use crate::mesh::share::{Share, put_back, share_of};
 use crate::mesh::{SharedInput, VertexName};
-use crate::protocol::Correct;
+use crate::protocol::{Correct, WorkerId};
 use crate::refining::RefineError;
 use crate::refining::domain::DomainMesh;
 use crate::refining::whole::{Owners, Part};
@@ -201,6 +202,29 @@ enum Stays {
     Not(Late),
 }
 
+/// The way of values between the members of a team.
+struct OnTeam<'t, P>(&'t mut Team<P>);
+
+impl<P: Post> Exchange for OnTeam<'_, P> {
+    fn to_all<T: Value>(&mut self, own: Vec<T>) -> Result<Vec<T>, RefineError> {
+        let Some(own) = own.into_iter().next() else { return Ok(Vec::new()) };
+        self.0.gather_all(&own).map_err(of_team)
+    }
+
+    fn to_some<T: Value>(&mut self, own: Vec<To<T>>) -> Result<Vec<To<T>>, RefineError> {
+        let mut parts = vec![Vec::new(); self.0.size() as usize];
+        for (to, value) in own.into_iter().flatten() {
+            if let Some(part) = parts.get_mut(to.index()) {
+                *part = bytes_of(&value, self.0.me()).map_err(of_team)?;
+            }
+        }
+        let all = self.0.exchange(parts).map_err(of_team)?;
+        let sent = WorkerId::below(all.len() as u32).zip(&all).filter(|(_, own)| !own.is_empty());
+        let values = sent.map(|(from, bytes)| Ok((from, value_of(from, bytes).map_err(of_team)?)));
+        Ok(vec![values.collect::<Result<To<T>, RefineError>>()?])
+    }
+}
+
 /// The parts of all members, each with the work that it leaves, and the figures of all.
 struct Collected {
     parts: Vec<(Part, Left)>,
@@ -217,13 +241,27 @@ impl<P: Post> Member<'_, '_, P> {
     ) -> Result<Rest<'c>, RefineError> {
         let before = resumed.figures.rounds[0];
         resumed.border = (self.every > 0).then(|| before.saturating_add(self.every));
-        let layout = (self.parallel.plan_for(start.points.len()), self.parallel.config());
-        let (nodes, common) = begin::<Correct>(complex, start, layout, resumed)?;
+        let (layout, config) = (self.parallel.plan_for(start.points.len()), self.parallel.config());
+        let (nodes, common) = begin::<Correct>(complex, start, (layout, config), resumed)?;
         let me = self.team.me();
-        let node: RoundNode<'c, Correct> =
-            nodes.into_iter().nth(me.index()).ok_or_else(|| of_team(TeamError::Failed(me)))?;
-        let (node, stats) = self.parallel.run_on(self.team, node)?;
-        self.stats.add(&stats);
+        let none = || of_team(TeamError::Failed(me));
+        let mut node: RoundNode<'c, Correct> =
+            nodes.into_iter().nth(me.index()).ok_or_else(none)?;
+        // Ends: a round is between two redeals.
+        let node = loop {
+            let (ended, stats) = self.parallel.run_on(self.team, node)?;
+            self.stats.add(&stats);
+            if !deal::is_due(std::slice::from_ref(&ended)) {
+                break ended;
+            }
+            let own = Common { points: &common.points, layout, config };
+            let dealt = redeal(vec![ended], own, &mut OnTeam(self.team));
+            if dealt.is_err() {
+                // Others may wait for this one.
+                self.team.fail();
+            }
+            node = dealt?.0.pop().ok_or_else(none)?;
+        };
         let (mesh, left) = ended_by(node);
         Ok(Rest { mesh, left, common })
     }

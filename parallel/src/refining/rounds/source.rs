@@ -9,13 +9,14 @@ use super::figures::{Ending, RoundFigures};
 use super::found::Ahead;
 use super::keys::{Foremost, SharedKeys};
 use super::mail::Mail;
+use super::pace::Pace;
 use super::serve::Served;
 use super::tree::Tree;
 use super::tried::Slivers;
 use super::under_way::Counts;
 pub(super) use super::under_way::Stage;
 use super::way::Entry;
-use crate::mesh::VertexName;
+use crate::mesh::{Redeal, VertexName};
 use crate::protocol::{
     BlockId, Correct, Directory, Item, Rules, Source, Standing, Submesh, WorkerId,
 };
@@ -133,6 +134,8 @@ pub struct Rounds<C = Correct> {
     pub(super) is_cancelled: bool,
     /// The rounds after which the workers stop.
     pub(super) border: Option<u64>,
+    /// The times at which the cuts move.
+    pub(super) pace: Pace,
     pub(super) ending: Option<Ending>,
     pub(super) figures: RoundFigures,
     pub(super) rules: PhantomData<C>,
@@ -175,6 +178,7 @@ impl<C: Rules> Rounds<C> {
             is_irregular: false,
             is_cancelled: false,
             border: None,
+            pace: Pace::new(Redeal::Never, workers),
             ending: None,
             figures: RoundFigures::default(),
             rules: PhantomData,
@@ -215,6 +219,11 @@ impl<C: Rules> Rounds<C> {
     fn forget_start(&mut self, point: &DomainPoint) {
         let number = self.number(point);
         self.points.starts.get_mut(number).into_iter().for_each(|start| *start = None);
+    }
+
+    /// The vertices of the mesh, as all know.
+    pub(super) fn vertices(&self) -> u64 {
+        (self.budget.others + self.budget.total) as u64
     }
 
     pub(super) fn send(&mut self, to: WorkerId, news: DomainNews) {

@@ -20,7 +20,7 @@ use super::demands::Settled;
 use super::figures::Ending;
 use super::keys::Foremost;
 use super::source::{Rounds, Stage};
-use super::tree::{SENT, Step, TAKEN, is_quiet};
+use super::tree::{MOST, SENT, Step, TAKEN, is_quiet};
 use crate::protocol::{Directory, Rules, Standing, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{DomainNews, KeysTold, SUMS, Sums};
@@ -32,7 +32,7 @@ use ltbw_refine::{BoundaryItem, are_joined};
 const READY: usize = 0;
 const WAITING: usize = 1;
 const FOREMOST: usize = 2;
-const IRREGULAR: usize = 3;
+const IRREGULAR: usize = MOST;
 const OPEN: usize = 4;
 const CANDIDATES: usize = 5;
 const CANCELLED: usize = 5;
@@ -165,6 +165,7 @@ impl<C: Rules> Rounds<C> {
                 }
                 sums[NEWS] = self.demands.asked.len() as i64 + self.demands.refused.count;
                 sums[FOREMOST] = self.choice.foremost.unwrap_or(0);
+                sums[MOST] = self.points.by_class.iter().sum();
             }
             Stage::Looking
             | Stage::Exchanging(_)
@@ -288,6 +289,9 @@ impl<C: Rules> Rounds<C> {
         if self.border.is_some_and(|border| self.figures.rounds[0] >= border) {
             return self.end(Ending::Border);
         }
+        if self.pace.is_due(self.figures.rounds[0], self.vertices(), self.workers) {
+            return self.end(Ending::Redeal);
+        }
         self.stage = Stage::Choosing;
         self.choice.fits = 0;
         mesh.begin_round();
@@ -371,6 +375,7 @@ impl<C: Rules> Rounds<C> {
             figures.widest = figures.widest.max(all as u64);
             figures.points += all as u64;
         }
+        self.pace.count(sums[MOST] as u64, all as u64);
         self.points.by_class = [0; 3];
         self.points.starts.clear();
         let Settled { waited, refused } = self.demands.settle();

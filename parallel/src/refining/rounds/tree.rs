@@ -1,4 +1,5 @@
-//! A barrier that adds up: what each worker has to say goes up a tree, the sums come down.
+//! A barrier that adds up: what each worker has to say goes up a tree, the sums come down. Of one
+//! number it is the largest that comes.
 //!
 //! Nobody is a barrier ahead of another: a worker hears from those below it only about the barrier
 //! that it is at, since the end of that one goes to them through it.
@@ -19,6 +20,16 @@ pub enum Step {
 pub const SENT: usize = 0;
 /// The place of those that were taken.
 pub const TAKEN: usize = 1;
+
+/// The place of the number of which the largest one counts; none is below 0.
+pub(super) const MOST: usize = 3;
+
+/// Adds what another worker says.
+fn add(all: &mut Sums, own: &Sums) {
+    for (place, (all, own)) in all.iter_mut().zip(own).enumerate() {
+        *all = if place == MOST { *own.max(all) } else { *all + own };
+    }
+}
 
 /// Has every operation of a round ended, by the sums of a wave and of the one before? One alone may
 /// add up by chance, as workers speak at different times (R19).
@@ -69,14 +80,14 @@ impl Tree {
     /// Takes what a worker below has to add.
     pub fn hear(&mut self, sums: Sums) -> Option<Step> {
         self.below.0 += 1;
-        self.below.1.iter_mut().zip(sums).for_each(|(all, own)| *all += own);
+        add(&mut self.below.1, &sums);
         self.step()
     }
 
     fn step(&mut self) -> Option<Step> {
         let own = self.own.filter(|_| self.below.0 as usize == self.below().count())?;
         let (_, mut all) = std::mem::take(&mut self.below);
-        all.iter_mut().zip(own).for_each(|(all, own)| *all += own);
+        add(&mut all, &own);
         self.own = None;
         Some(self.me.parent().map_or(Step::Done(all), |above| Step::Up(above, all)))
     }
@@ -99,17 +110,19 @@ mod tests {
                 done = None;
                 for k in 0..workers {
                     let me = if round == 0 { workers - 1 - k } else { k };
-                    own[0] = i64::from(me + 1);
+                    (own[0], own[MOST]) = (i64::from(me + 1), i64::from((me * 7) % workers));
                     let mut step = all[me as usize].put(own);
                     while let Some(Step::Up(to, sums)) = step {
                         step = all[to.index()].hear(sums);
                     }
                     if let Some(Step::Done(sums)) = step {
                         assert!(done.is_none());
-                        done = Some(sums[0]);
+                        done = Some([sums[0], sums[MOST]]);
                     }
                 }
-                assert_eq!(done, Some(i64::from(workers * (workers + 1) / 2)));
+                let most = (0..workers).map(|me| (me * 7) % workers).max().map(i64::from);
+                let sums = Some(i64::from(workers * (workers + 1) / 2)).zip(most);
+                assert_eq!(done, sums.map(<[i64; 2]>::from));
             }
             assert!(done.is_some());
         }
