@@ -44,6 +44,9 @@ pub(crate) struct Report {
     pub(crate) outputs: Vec<String>,
     /// Figures of each worker of the parallel kernel; none if one thread inserted.
     pub(crate) workers: Vec<ltbw::threads::WorkerStats>,
+    /// The moves of the cuts between workers' parts of a domain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) redeals: Option<crate::workers::Redeals>,
     /// The figures of the workers' time, in nanoseconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) parallel: Option<crate::figures::Figures>,

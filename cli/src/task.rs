@@ -106,6 +106,7 @@ impl Task<'_> {
             certificate: None,
             outputs: Vec::new(),
             workers: Vec::new(),
+            redeals: None,
             parallel: None,
         }
     }

@@ -6,7 +6,7 @@ use crate::outcome::{Failure, show};
 use ltbw::domain::Prepared;
 use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
 use ltbw::refining::{
-    Owners, RefineError, Splits, ThreadedRounds, domain_on_threads, rounds_on_threads,
+    Owners, RefineError, RoundFigures, Splits, ThreadedRounds, domain_on_threads, rounds_on_threads,
 };
 use ltbw::threads::{Parallel, RunError, WorkerStats};
 use std::path::Path;
@@ -22,6 +22,25 @@ pub(crate) struct Made {
     pub(crate) alone: Option<String>,
     /// The figures of points without rounds.
     pub(crate) splits: Option<Splits>,
+    /// The moves of the cuts between the workers' parts, if there were any.
+    pub(crate) redeals: Option<Redeals>,
+}
+
+/// The moves of the cuts between the workers' parts.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub(crate) struct Redeals {
+    /// Times that they have moved.
+    times: u64,
+    /// Tetrahedra that have changed their worker by that.
+    tets: u64,
+}
+
+impl Redeals {
+    /// The moves in rounds, if there were any.
+    pub(crate) fn of(figures: &RoundFigures) -> Option<Self> {
+        let RoundFigures { redeals: times, moved: tets, .. } = *figures;
+        (times > 0).then_some(Self { times, tets })
+    }
 }
 
 /// The mode in which workers refine a domain.
@@ -81,7 +100,7 @@ pub(crate) fn refine(
         Mode::Async => domain_on_threads(refiner, whole, &parallel).map(|run| {
             let splits = run.splits.as_ref().ok().copied();
             let points = splits.map_or(0, |own| own.inserted.iter().sum());
-            let made = Made { workers: run.workers, owners: run.owners, splits, alone: None };
+            let made = Made { workers: run.workers, owners: run.owners, splits, ..Made::default() };
             made.told(run.refined, points, run.splits.err())
         }),
     };
@@ -92,7 +111,8 @@ impl Made {
     /// A domain that a crew has refined in rounds, and its part in that.
     pub(crate) fn by_rounds(run: ThreadedRounds) -> (Refined, Self) {
         let points = run.workers.iter().map(|own| own.local + own.operations).sum();
-        let made = Self { workers: run.workers, owners: run.owners, ..Self::default() };
+        let redeals = Redeals::of(&run.figures);
+        let made = Self { workers: run.workers, owners: run.owners, redeals, ..Self::default() };
         made.told(run.refined, points, run.ending.err())
     }
 
@@ -139,4 +159,7 @@ pub(crate) fn print_workers(made: &Made) {
         sum(|own| own.setbacks),
         sum(|own| own.messages)
     ));
+    if let Some(Redeals { times, tets }) = made.redeals {
+        console::people(&format!("redeals   {times}, in which {tets} tetrahedra went elsewhere"));
+    }
 }

@@ -3,7 +3,7 @@
 use crate::numbers::whole;
 use crate::workers::Mode;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use ltbw::mesh::Ownership;
+use ltbw::mesh::{Ownership, Redeal};
 use ltbw::points::MAX_POINTS;
 use ltbw::protocol::{Closure, Rule};
 use ltbw::simulate::{CostModel, Distribution, Network};
@@ -75,6 +75,10 @@ pub(crate) struct Simulate {
     /// threads), or its creator, as in the paper; blocks move under the first only
     #[arg(long, default_value = "block", value_parser = ownerships())]
     pub(crate) ownership: Ownership,
+    /// When the cuts between the processors' parts of a domain move between rounds: never, as
+    /// needed, also so that few begin and more follow (growing), or after every N-th round
+    #[arg(long, value_name = "WHEN", default_value = "never", hide_short_help = true)]
+    pub(crate) redeal: Redeal,
     /// A processor with work of its own looks for messages before each N-th insertion
     #[arg(long, value_name = "N", default_value_t = 1)]
     #[arg(value_parser = whole::<u32>(1..=1_000_000), hide_short_help = true)]

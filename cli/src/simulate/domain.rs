@@ -37,7 +37,8 @@ pub(super) fn refiner(args: &Simulate) -> Refiner<'static> {
 /// The workers of a run: all points are in the mesh that is distributed.
 pub(super) fn planned(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
     let (layout, config) = layout(args, points, processors);
-    (Layout { sample: points, max_in_flight: 0, ..layout }, config)
+    let redeal = args.redeal;
+    (Layout { sample: points, max_in_flight: 0, redeal, ..layout }, config)
 }
 
 /// The workers of a run; one on a single processor has settings of its own: it is what others are
@@ -166,7 +167,7 @@ fn tell(
         "{}: {by_all} points in {rounds} rounds ({segments} on segments, {facets} on facets, \
          {inside} inside; the widest of {} points, {:.2} searches a point, {:.0} % of them made \
          while others were waited for), on {} processors ({}), rule {}, latency {} ns ({}), seed \
-         {}\n{}{} barriers; {}\n{}\n{}\n\
+         {}\n{}{} barriers, cuts moved {} times with {} tetrahedra; {}\n{}\n{}\n\
          ltbw.mesh/1 {hash}\n",
         show(path),
         figures.widest,
@@ -184,6 +185,8 @@ fn tell(
             String::new()
         },
         figures.barriers,
+        figures.redeals,
+        figures.moved,
         match ending {
             Ok(Ending::Done) | Err(_) => {
                 "one processor put the mesh together, and did what was left".to_owned()
@@ -198,7 +201,7 @@ fn tell(
     let report =
         Report::new(settings, &made, Compared { one_processor: alone, whole }, &hash, vertices)
             .from(start);
-    let report = report.in_rounds(rounds as usize);
+    let report = report.in_rounds(figures);
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     Ok((json, text))
 }

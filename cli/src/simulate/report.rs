@@ -3,10 +3,12 @@
 use super::Simulate;
 use crate::figures::Figures;
 use crate::outcome::show;
+use crate::workers::Redeals;
 use ltbw::Mesh;
 use ltbw::mesh::Layout;
 use ltbw::metrics::Summary;
 use ltbw::protocol::Config;
+use ltbw::refining::RoundFigures;
 use ltbw::simulate::{CostModel, Meshed, Options, Whole};
 use serde::Serialize;
 
@@ -55,7 +57,9 @@ struct Simulation {
     whole: Option<Whole>,
     events: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
-    rounds: Option<usize>,
+    rounds: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    redeals: Option<Redeals>,
     #[serde(skip_serializing_if = "Option::is_none")]
     start: Option<usize>,
     cost_model: CostModel,
@@ -140,6 +144,7 @@ impl Report {
                 whole,
                 events,
                 rounds: None,
+                redeals: None,
                 start: None,
                 cost_model: run.options.costs,
                 settings: Settings::new(run),
@@ -149,8 +154,9 @@ impl Report {
     }
 
     /// The report of a run in rounds.
-    pub(super) fn in_rounds(mut self, rounds: usize) -> Self {
-        self.simulation.rounds = Some(rounds);
+    pub(super) fn in_rounds(mut self, figures: &RoundFigures) -> Self {
+        self.simulation.rounds = Some(figures.rounds[0]);
+        self.simulation.redeals = Redeals::of(figures);
         self
     }
 
