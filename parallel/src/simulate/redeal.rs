@@ -27,8 +27,8 @@ impl Options {
         let below = u64::from(WorkerId::BELOW).min(workers.saturating_sub(1));
         let levels = u64::from(workers.max(1).ilog(WorkerId::BELOW.into())) + 1;
         // At the top come all bytes in, on the way down they come to each.
-        let up = costs.receiving(0) * (below * levels) as f64 + told as f64 * costs.byte;
-        let down = costs.sending(told) * (below * levels) as f64;
+        let up = costs.receiving(0, false) * (below * levels) as f64 + told as f64 * costs.byte;
+        let down = costs.sending(told, false) * (below * levels) as f64;
         let all_told = if workers > 1 { (up + down) as Nanos } else { 0 };
         let time = |(own, k)| (costs.redeal(own) * self.slowness(WorkerId::at(k))) as Nanos;
         let own: Vec<Nanos> = moved.iter().zip(0..).map(time).map(|own| own + all_told).collect();
