@@ -2,7 +2,7 @@
 //! beyond tell, and beyond an interface face these are others'. Its owner asks for them.
 
 use super::candidate::{Probe, Told, What};
-use super::serve::describe;
+use super::serve::{Answer, describe};
 use super::source::Rounds;
 use super::way::labels_at;
 use crate::protocol::{Directory, Handle, Rules, Submesh, WorkerId};
@@ -89,7 +89,8 @@ impl<C: Rules> Rounds<C> {
         let here: Vec<(TetId, bool)> =
             at.iter().filter_map(|handle| Some((mesh.resolve(handle.name)?, false))).collect();
         let found = describe(mesh, &here, Carrier::Free, true);
-        self.answer(mesh, directory, probe, PartEnd::Found, found, Vec::new());
+        let answer = Answer { found, ..Answer::bare(PartEnd::Found) };
+        self.answer(mesh, directory, probe, answer);
     }
 
     /// An owner has told of tetrahedra beyond the sides of a probe's own: when all have, its sides
@@ -98,7 +99,8 @@ impl<C: Rules> Rounds<C> {
         &mut self,
         mesh: &mut DomainMesh<'_>,
         directory: &Directory,
-        (from, k): (WorkerId, u32),
+        from: WorkerId,
+        k: u32,
         found: &WireClosure,
     ) {
         let probe = &mut self.choice.probes[k as usize];

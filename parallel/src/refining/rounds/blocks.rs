@@ -74,7 +74,8 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn end_barred(
         &mut self,
         mesh: &DomainMesh<'_>,
-        (from, k): (WorkerId, u32),
+        from: WorkerId,
+        k: u32,
         end: &PartEnd,
     ) -> bool {
         let me = self.me;

@@ -1,6 +1,6 @@
 //! Probes and candidates as values.
 
-use super::reserved::LazyRank;
+use super::reserved::{LazyRank, Whose};
 use crate::protocol::table::Table;
 use crate::protocol::{Name, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
@@ -85,6 +85,11 @@ pub(super) struct Seeker {
 }
 
 impl Seeker {
+    /// The candidate as one that reserves.
+    pub(super) fn whose(&self) -> Whose {
+        Whose { rank: self.rank.clone(), carrier: self.carrier }
+    }
+
     /// The candidate as another worker is told of it; `of_tet` tells a rank.
     pub(super) fn proposal(&self, of_tet: impl Fn([VertexId; 4]) -> Rank) -> Proposal {
         let Self { probe, to, carrier, .. } = *self;

@@ -64,7 +64,7 @@ impl<C: Rules> Rounds<C> {
         }
         // One that is killed waits for what becomes of its place.
         if let What::Tet(t, _) = probe.what
-            && self.served.has_rival::<C>(mesh, (id, t), &probe.rank())
+            && self.served.has_rival::<C>(mesh, id, t, &probe.rank())
         {
             return true;
         }

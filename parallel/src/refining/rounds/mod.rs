@@ -365,8 +365,9 @@ fn begin<'c, C: Rules>(
     let others = start.points.len() as u64 - before;
     let active = layout.redeal.active(start.points.len() as u64, layout.workers);
     let source = |me, mesh: &mut DomainMesh<'_>| {
-        let place = (me, layout.workers, layout.blocks_per_worker);
-        let mut source = Rounds::new(place, [before, start.most, others], mesh);
+        let (workers, blocks_each) = (layout.workers, layout.blocks_per_worker);
+        let among = source::Among { me, workers, blocks_each };
+        let mut source = Rounds::new(among, [before, start.most, others], mesh);
         source.expect_tets(start.expected_of(layout.workers));
         source.resume(mesh, &resumed.left, resumed.figures);
         source.border = resumed.border;

@@ -3,14 +3,15 @@
 use super::candidate::{Outcome, Probe, Seeker, Waits, What};
 use super::here::Here;
 use super::ranked::rank_of;
+use super::reserved::Whose;
 use super::ruled::Verdict;
-use super::serve::describe;
+use super::serve::{Answer, describe};
 use super::source::Rounds;
-use super::way::{Entry, FarFace, WayEnd, walk_way};
+use super::way::{Begin, Entry, FarFace, WayEnd, walk_way};
 use crate::protocol::table::Table;
 use crate::protocol::{Directory, Handle, Rules, Submesh, Walk, WorkerId};
 use crate::refining::domain::{DomainMesh, is_near};
-use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
+use crate::refining::news::{DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
 use ltbw_refine::{Aim, BoundaryItem, Collected, Filled, RankLead, Reason, Ruling, middle};
 
@@ -43,7 +44,7 @@ impl<C: Rules> Rounds<C> {
             && self.take_found(mesh, k, (t, v))
         {
             self.note_barred(mesh, k);
-            let nothing = (PartEnd::Found, WireClosure::default(), Vec::new());
+            let nothing = Answer::bare(PartEnd::Found);
             return self.take_part(mesh, directory, self.me, k, nothing);
         }
         let what = &self.choice.probes[k as usize].what;
@@ -61,7 +62,8 @@ impl<C: Rules> Rounds<C> {
                 match &self.choice.probes[k as usize].what {
                     &What::Tet(t, v) => {
                         let start = middle(v.map(|v| mesh.point(v)));
-                        self.go(mesh, directory, own, Entry { t, by: None }, (bits(&start), may));
+                        let begin = Begin { start: bits(&start), may };
+                        self.go(mesh, directory, own, Entry { t, by: None }, begin);
                     }
                     What::Item(item) => {
                         let near = self.demands.pending.get(&item.place()).and_then(|own| own.near);
@@ -142,12 +144,11 @@ impl<C: Rules> Rounds<C> {
         directory: &Directory,
         own: &Seeker,
         at: Entry,
-        (start, may): (Bits, bool),
+        Begin { start, may }: Begin,
     ) {
         match walk_way(mesh, at, &start, &own.to, may) {
             WayEnd::At(_) if self.is_barred(own.probe) => {
-                let nothing = WireClosure::default();
-                self.answer(mesh, directory, own.probe, PartEnd::Found, nothing, Vec::new());
+                self.answer(mesh, directory, own.probe, Answer::bare(PartEnd::Found));
             }
             WayEnd::At(t) => self.serve(mesh, directory, own, &[t]),
             WayEnd::Far(FarFace { at, region }) => {
@@ -156,7 +157,7 @@ impl<C: Rules> Rounds<C> {
                 self.send(owner, DomainNews::Way { own, at, start, may, region });
             }
             WayEnd::Not(end) => {
-                self.answer(mesh, directory, own.probe, end, WireClosure::default(), Vec::new());
+                self.answer(mesh, directory, own.probe, Answer::bare(end));
             }
         }
     }
@@ -177,8 +178,7 @@ impl<C: Rules> Rounds<C> {
                 self.serve(mesh, directory, own, &[t]);
             }
             Walk::Duplicate(_) => {
-                let nothing = WireClosure::default();
-                self.answer(mesh, directory, own.probe, PartEnd::Vertex, nothing, Vec::new());
+                self.answer(mesh, directory, own.probe, Answer::bare(PartEnd::Vertex));
             }
             Walk::Exits(at) => {
                 let owner = directory.owner(at.block);
@@ -209,7 +209,7 @@ impl<C: Rules> Rounds<C> {
             && is_first
             && self.served.search_here(mesh, own, seed)
         {
-            let nothing = (PartEnd::Found, WireClosure::default(), Vec::new());
+            let nothing = Answer::bare(PartEnd::Found);
             return self.take_part(mesh, directory, self.me, probe.number, nothing);
         }
         let (before, foreign) = self.served.search(mesh, own, seeds.iter().copied());
@@ -220,7 +220,7 @@ impl<C: Rules> Rounds<C> {
             }
             _ => WireClosure::default(),
         };
-        self.answer(mesh, directory, probe, PartEnd::Found, found, foreign);
+        self.answer(mesh, directory, probe, Answer { end: PartEnd::Found, found, foreign });
     }
 
     pub(super) fn answer(
@@ -228,14 +228,13 @@ impl<C: Rules> Rounds<C> {
         mesh: &mut DomainMesh<'_>,
         directory: &Directory,
         probe: ProbeId,
-        end: PartEnd,
-        found: WireClosure,
-        foreign: Vec<Handle>,
+        answer: Answer,
     ) {
-        if probe.home == self.me {
-            return self.take_part(mesh, directory, self.me, probe.number, (end, found, foreign));
-        }
         let number = probe.number;
+        if probe.home == self.me {
+            return self.take_part(mesh, directory, self.me, number, answer);
+        }
+        let Answer { end, found, foreign } = answer;
         self.send(probe.home, DomainNews::Part { number, end, found, foreign });
     }
 
@@ -246,17 +245,17 @@ impl<C: Rules> Rounds<C> {
         directory: &Directory,
         from: WorkerId,
         k: u32,
-        (end, found, foreign): (PartEnd, WireClosure, Vec<Handle>),
+        Answer { end, found, foreign }: Answer,
     ) {
         let probe = &mut self.choice.probes[k as usize];
         probe.open -= 1;
-        if (probe.follows || probe.barred.is_some()) && self.end_barred(mesh, (from, k), &end) {
+        if (probe.follows || probe.barred.is_some()) && self.end_barred(mesh, from, k, &end) {
             return;
         }
         let probe = &mut self.choice.probes[k as usize];
         match end {
             PartEnd::Found if probe.asks_beyond => {
-                return self.take_beyond(mesh, directory, (from, k), &found);
+                return self.take_beyond(mesh, directory, from, k, &found);
             }
             PartEnd::Found => {}
             end if probe.sliver.is_some() => return self.end_try(mesh, directory, k, end),
@@ -429,7 +428,11 @@ impl<C: Rules> Rounds<C> {
         }
         // Its tetrahedra are in the cache.
         let probe = &self.choice.probes[k as usize];
-        self.served.reserve_own::<C>(mesh, id, (probe.rank(), probe.carrier));
+        self.served.reserve_own::<C>(
+            mesh,
+            id,
+            Whose { rank: probe.rank(), carrier: probe.carrier },
+        );
         self.conclude(k, outcome);
     }
 

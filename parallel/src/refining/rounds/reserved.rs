@@ -86,6 +86,13 @@ impl LazyRank {
     }
 }
 
+/// The candidate that reserves: its rank, and where its point lives.
+#[derive(Clone, Debug)]
+pub(super) struct Whose {
+    pub(super) rank: LazyRank,
+    pub(super) carrier: Carrier,
+}
+
 /// The tetrahedra that the candidates of a round have reserved. The foremost candidate with one in
 /// its cavity holds it.
 #[derive(Debug, Default)]
@@ -94,8 +101,8 @@ pub(super) struct Reservations {
     held: Marks,
     /// By number: the leading parts of ranks, which nearly always decide.
     leads: Vec<RankLead>,
-    /// By number: ranks, and where the points live.
-    all: Vec<(LazyRank, Carrier)>,
+    /// By number: the candidates.
+    all: Vec<Whose>,
     /// Slots that boundary items have reserved. Other candidates may hold them by now.
     by_boundary: Flags,
 }
@@ -123,12 +130,13 @@ impl Reservations {
     pub(super) fn reserve(
         &mut self,
         cavity: impl Iterator<Item = TetId>,
-        (rank, carrier): (LazyRank, Carrier),
+        whose: Whose,
         of_tet: impl Fn([VertexId; 4]) -> Rank,
     ) -> u32 {
-        let (number, is_boundary) = (self.leads.len() as u32, rank.lead.is_boundary());
-        self.leads.push(rank.lead);
-        self.all.push((rank, carrier));
+        let (number, lead) = (self.leads.len() as u32, whose.rank.lead);
+        let is_boundary = lead.is_boundary();
+        self.leads.push(lead);
+        self.all.push(whose);
         for t in cavity {
             let other = self.held.get(t.index());
             if other.is_none_or(|other| !self.is_before(other, number, &of_tet)) {
@@ -143,7 +151,7 @@ impl Reservations {
 
     /// Does one holder come before another one?
     fn is_before(&self, one: u32, other: u32, of_tet: impl Fn([VertexId; 4]) -> Rank) -> bool {
-        one != other && self.precedes(one, &self.all[other as usize].0, of_tet)
+        one != other && self.precedes(one, &self.all[other as usize].rank, of_tet)
     }
 
     fn precedes(
@@ -156,7 +164,7 @@ impl Reservations {
         if own != rank.lead {
             return own < rank.lead;
         }
-        self.all[number as usize].0.whole(&of_tet) < rank.whole(&of_tet)
+        self.all[number as usize].rank.whole(&of_tet) < rank.whole(&of_tet)
     }
 
     /// The leading part of the rank of a tetrahedron's holder, if that comes before a candidate of
@@ -164,7 +172,8 @@ impl Reservations {
     pub(super) fn before(
         &self,
         t: TetId,
-        (own, rank): (Option<u32>, &LazyRank),
+        own: Option<u32>,
+        rank: &LazyRank,
         of_tet: impl Fn([VertexId; 4]) -> Rank,
     ) -> Option<RankLead> {
         let holder = self.held.get(t.index()).filter(|holder| Some(*holder) != own)?;
@@ -182,7 +191,7 @@ impl Reservations {
         if !self.is_before(other, own, of_tet) {
             return Rival::default();
         }
-        let [at, carrier] = [other, own].map(|number| self.all[number as usize].1);
+        let [at, carrier] = [other, own].map(|number| self.all[number as usize].carrier);
         let is_boundary = self.leads[other as usize].is_boundary();
         Rival { is_there: true, is_boundary, is_apart: !at.is_with(carrier) }
     }
@@ -204,11 +213,11 @@ pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
     let of_tet = |_| candidates[0].0;
     let ranks: Vec<LazyRank> = candidates.iter().map(|own| LazyRank::told(own.0)).collect();
     for ((_, _, cavity), rank) in candidates.iter().zip(&ranks) {
-        let whose = (rank.clone(), Carrier::Free);
+        let whose = Whose { rank: rank.clone(), carrier: Carrier::Free };
         reservations.reserve(cavity.iter().copied(), whose, of_tet);
     }
     let dies = |&k: &usize| {
-        reservations.before(candidates[k].1, (Some(k as u32), &ranks[k]), of_tet).is_some()
+        reservations.before(candidates[k].1, Some(k as u32), &ranks[k], of_tet).is_some()
     };
     (0..candidates.len()).filter(|k| !dies(k)).collect()
 }
@@ -226,7 +235,7 @@ mod tests {
         let tet = Rank::of_tet([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
         let of_tet = |_| tet;
         let reserve = |all: &mut Reservations, slots: [u32; 2], rank| {
-            let whose = (LazyRank::told(rank), Carrier::Free);
+            let whose = Whose { rank: LazyRank::told(rank), carrier: Carrier::Free };
             all.reserve(slots.into_iter().map(TetId::new), whose, of_tet)
         };
         for first in [item, tet] {

@@ -2,10 +2,10 @@
 
 use super::candidate::Seeker;
 use super::ranked::rank_of;
-use super::reserved::{LazyRank, Marks, Reservations};
+use super::reserved::{LazyRank, Marks, Reservations, Whose};
 use crate::protocol::{Handle, Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
-use crate::refining::news::{INFINITE_CORNER, ProbeId, WireClosure, WireCorner, point};
+use crate::refining::news::{INFINITE_CORNER, PartEnd, ProbeId, WireClosure, WireCorner, point};
 use ltbw_core::expect;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_refine::{Carrier, Rank, Rival};
@@ -28,6 +28,23 @@ pub(super) struct Part {
     pub(super) order: Vec<(TetId, bool)>,
 }
 
+/// An owner's answer to a probe.
+#[derive(Debug)]
+pub(super) struct Answer {
+    pub(super) end: PartEnd,
+    /// The part of the closure here.
+    pub(super) found: WireClosure,
+    /// Others' tetrahedra to go on with.
+    pub(super) foreign: Vec<Handle>,
+}
+
+impl Answer {
+    /// An answer that tells no part of a closure.
+    pub(super) fn bare(end: PartEnd) -> Self {
+        Self { end, found: WireClosure::default(), foreign: Vec::new() }
+    }
+}
+
 impl Part {
     /// The tetrahedra in conflict; `cavities` has those of closures that are all here.
     fn cavity<'p>(&'p self, cavities: &'p [TetId]) -> impl Iterator<Item = TetId> + 'p {
@@ -44,7 +61,7 @@ pub(super) struct Served {
     /// The parts of own probes, by their numbers.
     own: Vec<Option<Part>>,
     /// The parts of others' probes, with the ranks and the carriers of these until they reserve.
-    others: FxHashMap<ProbeId, (Part, Option<(LazyRank, Carrier)>)>,
+    others: FxHashMap<ProbeId, (Part, Option<Whose>)>,
     pub(super) reserved: Reservations,
     /// The cavities of own probes whose closures are all here.
     cavities: Vec<TetId>,
@@ -110,7 +127,7 @@ impl Served {
     fn enter(&mut self, own: &Seeker) -> &mut Part {
         let ProbeId { home, number } = own.probe;
         if home != self.me {
-            let new = || (Part::default(), Some((own.rank.clone(), own.carrier)));
+            let new = || (Part::default(), Some(own.whose()));
             return &mut self.others.entry(own.probe).or_insert_with(new).0;
         }
         self.own_part(number)
@@ -219,7 +236,7 @@ impl Served {
         &mut self,
         mesh: &DomainMesh<'_>,
         probe: ProbeId,
-        whose: (LazyRank, Carrier),
+        whose: Whose,
     ) {
         let Self { own, reserved, cavities, .. } = self;
         if let Some(Some(part)) = own.get_mut(probe.number as usize) {
@@ -248,11 +265,12 @@ impl Served {
     pub(super) fn has_rival<C: Rules>(
         &self,
         mesh: &DomainMesh<'_>,
-        (probe, t): (ProbeId, TetId),
+        probe: ProbeId,
+        t: TetId,
         rank: &LazyRank,
     ) -> bool {
         let own = self.part(probe).and_then(|part| part.holder);
-        let before = self.reserved.before(t, (own, rank), |v| rank_of::<C>(mesh, v));
+        let before = self.reserved.before(t, own, rank, |v| rank_of::<C>(mesh, v));
         // R26.
         before.is_some_and(|other| C::breaks_ties() || !Rank::is_tie(other.key(), rank.lead.key()))
     }

@@ -10,11 +10,11 @@
 use super::candidate::{Outcome, Waits, What};
 use super::here::Here;
 use super::ranked::{Own, places_of};
-use super::reserved::LazyRank;
+use super::reserved::Whose;
 use super::source::{Rounds, Stage};
 use super::stages::along_curve;
 use super::tried::{Best, Now, Sliver, Slivers};
-use super::way::{Entry, WayEnd, walk_way};
+use super::way::{Begin, Entry, WayEnd, walk_way};
 use crate::protocol::{Directory, Rules, Walk};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{PartEnd, bits, point};
@@ -115,7 +115,7 @@ impl<C: Rules> Rounds<C> {
                 Try::Look(Some(p)) => (Now::Looking, p, Carrier::Free),
                 Try::Look(None) => {
                     sliver.now = Now::Looking;
-                    match self.end_way(mesh, (k, n), None) {
+                    match self.end_way(mesh, k, n, None) {
                         true => continue,
                         false => return self.ask_beyond(mesh, directory, k),
                     }
@@ -151,7 +151,7 @@ impl<C: Rules> Rounds<C> {
                     WayEnd::At(seed) => seed,
                     WayEnd::Far(_) => return None,
                     WayEnd::Not(end) => {
-                        return Some(self.end_way(mesh, (k, n), barrier(end)));
+                        return Some(self.end_way(mesh, k, n, barrier(end)));
                     }
                 }
             }
@@ -166,7 +166,7 @@ impl<C: Rules> Rounds<C> {
             self.served.enter_found(self.id(k), &cavity);
             self.take_here(mesh, k, n);
         } else {
-            let ruling = self.rule_on_try(mesh, (k, n), &cavity);
+            let ruling = self.rule_on_try(mesh, k, n, &cavity);
             self.take_ruling(k, n, ruling);
         }
         Some(true)
@@ -176,7 +176,8 @@ impl<C: Rules> Rounds<C> {
     fn rule_on_try(
         &self,
         mesh: &DomainMesh<'_>,
-        (k, n): (u32, usize),
+        k: u32,
+        n: usize,
         cavity: &[TetId],
     ) -> SliverRuling {
         let (probe, sliver) = (&self.choice.probes[k as usize], &self.slivers.all[n]);
@@ -190,7 +191,8 @@ impl<C: Rules> Rounds<C> {
     fn end_way(
         &mut self,
         mesh: &DomainMesh<'_>,
-        (k, n): (u32, usize),
+        k: u32,
+        n: usize,
         blocked: Option<BoundaryItem>,
     ) -> bool {
         let sliver = &mut self.slivers.all[n];
@@ -259,7 +261,7 @@ impl<C: Rules> Rounds<C> {
         match now {
             Now::Inside | Now::Looking => {
                 let start = bits(&middle(v.map(|v| mesh.point(v))));
-                self.go(mesh, directory, own, Entry { t, by: None }, (start, may));
+                self.go(mesh, directory, own, Entry { t, by: None }, Begin { start, may });
             }
             Now::Beside { .. } | Now::Taken => self.seek(mesh, directory, own, Some(t)),
         }
@@ -278,7 +280,7 @@ impl<C: Rules> Rounds<C> {
             // The best point was found before, in this mesh.
             return self.give_up(mesh, k);
         }
-        match self.end_way(mesh, (k, n), barrier(end)) {
+        match self.end_way(mesh, k, n, barrier(end)) {
             true => self.try_on(mesh, directory, k),
             false => self.ask_beyond(mesh, directory, k),
         }
@@ -295,7 +297,7 @@ impl<C: Rules> Rounds<C> {
                 return self.take_here(mesh, k, n);
             }
             let cavity = self.served.cavity_at(&inside).to_vec();
-            let ruling = self.rule_on_try(mesh, (k, n), &cavity);
+            let ruling = self.rule_on_try(mesh, k, n, &cavity);
             self.take_ruling(k, n, ruling);
         } else {
             self.complete(mesh, k);
@@ -356,7 +358,7 @@ impl<C: Rules> Rounds<C> {
         self.choice.fits += 1;
         let (id, probe) = (self.id(k), &mut self.choice.probes[k as usize]);
         probe.waits = Some(Box::new(waits));
-        let whose: (LazyRank, Carrier) = (probe.rank(), probe.carrier);
+        let whose = Whose { rank: probe.rank(), carrier: probe.carrier };
         self.served.reserve_own::<C>(mesh, id, whose);
         self.conclude(k, Outcome::Fits(filled));
     }

@@ -10,12 +10,12 @@ use super::found::Ahead;
 use super::keys::{Foremost, SharedKeys};
 use super::mail::Mail;
 use super::pace::Pace;
-use super::serve::Served;
+use super::serve::{Answer, Served};
 use super::tree::Tree;
 use super::tried::Slivers;
 use super::under_way::Counts;
 pub(super) use super::under_way::Stage;
-use super::way::Entry;
+use super::way::{Begin, Entry};
 use crate::mesh::{Redeal, VertexName};
 use crate::protocol::{
     BlockId, Correct, Directory, Item, Rules, Source, Standing, Submesh, WorkerId,
@@ -102,6 +102,15 @@ pub(super) struct Budget {
     pub(super) others: i64,
 }
 
+/// A worker among all.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Among {
+    pub(super) me: WorkerId,
+    pub(super) workers: u32,
+    /// Blocks of every worker at the start.
+    pub(super) blocks_each: u32,
+}
+
 /// One worker's part in rounds.
 #[derive(Debug)]
 pub struct Rounds<C = Correct> {
@@ -148,7 +157,7 @@ impl<C: Rules> Rounds<C> {
     /// The start of rounds in a submesh; `total` points of `most` were inserted before, and there
     /// are `others`.
     pub(super) fn new(
-        (me, workers, blocks_each): (WorkerId, u32, u32),
+        Among { me, workers, blocks_each }: Among,
         [total, most, others]: [u64; 3],
         mesh: &DomainMesh<'_>,
     ) -> Self {
@@ -360,7 +369,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             DomainNews::Way { own, at, start, may, region } => {
                 if let Some(t) = mesh.resolve(at.name) {
                     let entry = Entry { t, by: Some((usize::from(at.face), region)) };
-                    self.go(mesh, directory, &own.into(), entry, (start, may));
+                    self.go(mesh, directory, &own.into(), entry, Begin { start, may });
                 }
             }
             DomainNews::Seek { own, at } => {
@@ -374,7 +383,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             }
             DomainNews::Beyond { probe, at } => self.tell_beyond(mesh, directory, probe, &at),
             DomainNews::Part { number, end, found, foreign } => {
-                self.take_part(mesh, directory, from, number, (end, found, foreign));
+                self.take_part(mesh, directory, from, number, Answer { end, found, foreign });
             }
             DomainNews::Entrants(entrants) => self.take_entrants(mesh, from, entrants),
             DomainNews::Launch(numbers) => self.take_launch(numbers),

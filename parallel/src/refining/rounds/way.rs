@@ -35,6 +35,13 @@ pub(super) struct Entry {
     pub(super) by: Option<(usize, u32)>,
 }
 
+/// The place where a whole way begins, and whether its point may be inserted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Begin {
+    pub(super) start: Bits,
+    pub(super) may: bool,
+}
+
 impl View for DomainMesh<'_> {
     type Item = BoundaryItem;
     type Far = FarFace;

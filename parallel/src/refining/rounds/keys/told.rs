@@ -91,9 +91,14 @@ impl SharedKeys {
     }
 
     /// The far face at a face of a tetrahedron here, and that tetrahedron.
-    fn far_face(&mut self, mesh: &DomainMesh<'_>, at: (Name, u8)) -> Option<(TetId, &mut Far)> {
-        let (t, tets) = (mesh.resolve(at.0)?, mesh.inner.tets());
-        let there = tet_of(*tets.neighbours(t).get(usize::from(at.1))?);
+    fn far_face(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        name: Name,
+        face: u8,
+    ) -> Option<(TetId, &mut Far)> {
+        let (t, tets) = (mesh.resolve(name)?, mesh.inner.tets());
+        let there = tet_of(*tets.neighbours(t).get(usize::from(face))?);
         Some((t, self.far.get_mut(tets.far_place(there)? as usize)?))
     }
 
@@ -102,7 +107,7 @@ impl SharedKeys {
         match keys {
             KeysTold::Ranks(mut ranks) => {
                 for (name, face, rank) in ranks.drain(..) {
-                    let Some((t, far)) = self.far_face(mesh, (name, face)) else { continue };
+                    let Some((t, far)) = self.far_face(mesh, name, face) else { continue };
                     far.rank = rank;
                     self.touch(t);
                 }
@@ -110,7 +115,7 @@ impl SharedKeys {
             }
             KeysTold::Behind(behind) => {
                 for (name, face, is_beaten) in behind {
-                    let Some((_, far)) = self.far_face(mesh, (name, face)) else { continue };
+                    let Some((_, far)) = self.far_face(mesh, name, face) else { continue };
                     far.is_beaten = is_beaten;
                 }
             }
