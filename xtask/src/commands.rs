@@ -1,8 +1,12 @@
 //! Every command of `cargo xtask`: what it does, how long it takes, what it needs. The help is made
 //! of this table, and what a command takes is decided here.
 
-use crate::{c, coverage, dist, figures, fuzz, generate, lines, measure, model_check, mpi, mutants};
-use crate::{paper, parts, pictures, prove, python, rounds, slips, stacks, terminal, tsan, vectors};
+use crate::{
+    c, coverage, dist, figures, fuzz, generate, lines, measure, model_check, mpi, mutants,
+};
+use crate::{
+    paper, parts, pictures, prove, python, rounds, slips, stacks, terminal, tsan, vectors,
+};
 
 /// A command. Times are of two quiet cores with the workspace built for tests, but nothing else.
 pub(crate) struct Command {
