@@ -1,6 +1,7 @@
 //! Barriers, and messages of one kind that are late; items that several workers ask for.
 
 use super::super::demands::Pending;
+use super::super::source::Among;
 use super::super::under_way::Counts;
 use super::super::{Ending, RoundNode, rounds_by};
 use super::*;
@@ -205,7 +206,7 @@ fn a_budget_is_used_up_to_the_last_point() {
     let run = rounds_by(&refiner, (&ready.domain, &ready.lattice), layout, |mut nodes| {
         for (most, ending) in [(9, None), (8, None), (7, Some(Ending::Budget))] {
             let mesh = nodes[0].mesh_mut();
-            let place = (WorkerId::default(), 2, 1);
+            let place = Among { me: WorkerId::default(), workers: 2, blocks_each: 1 };
             let mut source = Rounds::<Correct>::new(place, [5, most, 0], mesh);
             source.stage = Stage::Choosing;
             source.end_choice(mesh, &sums);
@@ -236,7 +237,7 @@ fn of_several_limits_for_one_item_the_smallest_holds() {
         for (limits, is_pending) in orders.into_iter().flat_map(|all| [(all, false), (all, true)]) {
             let directory = nodes[0].directory().clone();
             let mesh = nodes[0].mesh_mut();
-            let place = (WorkerId::default(), 3, 1);
+            let place = Among { me: WorkerId::default(), workers: 3, blocks_each: 1 };
             let mut source = Rounds::<Correct>::new(place, [0, u64::MAX, 0], mesh);
             let [own, others @ ..] = limits;
             if is_pending {
