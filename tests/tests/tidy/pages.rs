@@ -69,7 +69,7 @@ pub(crate) fn without_question(tree: &Tree, page: &str) -> Vec<String> {
     };
     // A program of a crate, not a part of one of its modules.
     let is_test = |path: &str| {
-        let file = path.split_once("/tests/").map(|(folder, file)| (folder, file));
+        let file = path.split_once("/tests/");
         file.is_some_and(|(folder, file)| {
             !format!("/{folder}/").contains("/src/") && !file.contains('/') && file != "main.rs"
         })
