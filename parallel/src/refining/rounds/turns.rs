@@ -91,11 +91,14 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// The next attempt takes the turn of one.
+    /// The next attempt takes the turn of one. If it has no point, those that were taken before bar
+    /// the item by where the point of this one lives.
     pub(super) fn pass_turn_on(&mut self, from: u32, to: u32) {
         let Some(turn) = self.choice.probes[from as usize].turn.take() else { return };
         self.choice.current[turn.number as usize] = to;
-        self.choice.probes[to as usize].turn = Some(turn);
+        let carrier = self.choice.probes[from as usize].carrier;
+        let next = &mut self.choice.probes[to as usize];
+        (next.turn, next.carrier) = (Some(turn), carrier);
     }
 
     /// A probe has ended: tells the conductor what it has found.
