@@ -125,6 +125,7 @@ impl<'a> Told<'a> {
             "free_points": stats.free_points,
             "slivers": self.slivers.json(),
             "moved": stats.moved,
+            "reproducible": self.outcome != RefineOutcome::Cancelled,
             "rounds": rounds::json(stats),
             "excused": self.refined.map_or(0, |refined| refined.excuses.len()),
             "excused_at": excused::json(&excused, share),

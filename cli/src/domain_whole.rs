@@ -65,6 +65,9 @@ pub(crate) fn finish(
     if let (Some(refinement), Some(late)) = (&mut report.refinement, late) {
         refinement["late"] = late;
     }
+    if let (Some(refinement), Some(_)) = (&mut report.refinement, made.splits) {
+        refinement["reproducible"] = false.into();
+    }
     report.mesh.hash = Some(hash);
     report.seconds = seconds;
     let mut judged = Judged::unseen(told.measured(Quality::of(&inside.points, &inside.tets)));

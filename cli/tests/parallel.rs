@@ -373,6 +373,7 @@ fn workers_refine_a_domain_without_rounds() {
         "{}",
         report["certificate"]
     );
+    assert_eq!(report["refinement"]["reproducible"], false);
     let whole = read_mesh(dir.path().join("m.vtu")).unwrap();
     let parts = (0..3).map(|k| read_mesh(dir.path().join(format!("m_{k}.vtu"))).unwrap());
     let sizes: Vec<usize> = parts.map(|part| part.tets.len()).collect();
@@ -387,6 +388,7 @@ fn workers_refine_a_domain_without_rounds() {
     assert!(run.code == 0 && !run.stderr.contains(note), "{}", run.stderr);
     let report = json(dir.path().join("r.json"));
     assert!(report["certificate"]["binding"]["options"].get("mode").is_none());
+    assert_eq!(report["refinement"]["reproducible"], true);
     let run = ltbw(dir.path(), &["mesh", "d.poly", "--mode", "async"]);
     assert_eq!(run.code, 2, "{}", run.stderr);
     // Points at small angles are left to one processor, and that is told.
