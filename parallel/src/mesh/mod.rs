@@ -42,7 +42,9 @@ mod vertices;
 mod wire;
 
 pub use blocks::Blocks;
-pub(crate) use blocks::{Few, Mark};
+pub(crate) use blocks::Few;
+#[cfg(feature = "domains")]
+pub(crate) use blocks::Mark;
 pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
