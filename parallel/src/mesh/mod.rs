@@ -15,8 +15,7 @@
 //! | `start`, `redeal` | vertices along the curve, and workers ready to run; other cuts later |
 //! | `coarse` | the coarse mesh, distributed |
 //! | `gather`, `share` | the submeshes, put together; as values that travel |
-//! | `inspect` | what checkers of the protocol see |
-//! | `probe` | a submesh as one that keeps more of it sees it |
+//! | `inspect`, `probe` | what checkers see; a submesh as one that keeps more of it sees it |
 //! | `point_queue` | the points to insert, on many cursors |
 //!
 //! Invariant P1: a tetrahedron with a far neighbour has a name, and keeps it until it is removed:
@@ -55,10 +54,9 @@ pub use start::{Layout, Ownership, Prepared, Ready, Redeal, SharedInput};
 pub(crate) use start::{Sample, Sampled, Stretch};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
 
-use crate::protocol::invariant;
 use crate::protocol::{
     BlockId, Costs, Directory, Found, Handle, Insert, Name, Neighbour, NoNews, Part, Rules,
-    Submesh, SubmeshError, Ticket, Walk, WorkerId,
+    Submesh, SubmeshError, Ticket, Walk, WorkerId, invariant,
 };
 use around::finite;
 use ltbw_core::search::Search;
