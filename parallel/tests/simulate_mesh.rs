@@ -95,8 +95,9 @@ fn who_polls_seldom_has_the_same_mesh_with_fewer_polls() {
         })
         .collect();
     let vain = |run: &Meshed| run.summary.polls.total - run.summary.polls.useful;
-    assert!(runs.is_sorted_by_key(|run| std::cmp::Reverse(vain(run))));
-    assert!(vain(&runs[0]) > 2 * vain(&runs[2]));
+    // Who never looks before its work is done looks as seldom as who does so every fiftieth time.
+    assert!(runs[..3].is_sorted_by_key(|run| std::cmp::Reverse(vain(run))));
+    assert!(vain(&runs[1]) > vain(&runs[3]) && vain(&runs[0]) > 2 * vain(&runs[2]));
     // A cavity takes about 2.4 ms on one of the paper's processors.
     let one = Layout { workers: 1, ..layout };
     let options = Options { costs: CostModel::cow(), ..options(5) };
