@@ -6,6 +6,7 @@ use ltbw::domain::{Domain, Facet, PrepareOptions, Region};
 use ltbw::refine::Refiner;
 use ltbw::refining::rounds_on_threads;
 use ltbw::threads::Parallel;
+use ltbw_generate::Random;
 
 /// The faces of a box whose corners are numbered by the bits of their places, and their axes.
 const FACES: [([u32; 4], usize); 6] = [
@@ -17,34 +18,6 @@ const FACES: [([u32; 4], usize); 6] = [
     ([1, 3, 7, 5], 0),
 ];
 
-/// Random numbers: splitmix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number from 0 to 1.
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn below(&mut self, count: u64) -> u64 {
-        self.next() % count
-    }
-
-    /// A thickness in 64ths, most of them small.
-    fn thickness(&mut self) -> f64 {
-        let most = [4, 12, 55][self.below(3) as usize];
-        (1 + self.below(most)) as f64 / 64.0
-    }
-}
-
 /// A domain under way.
 struct Plates {
     domain: Domain,
@@ -54,6 +27,16 @@ struct Plates {
 }
 
 impl Plates {
+    fn below(&mut self, count: u64) -> usize {
+        (self.random.bits() % count) as usize
+    }
+
+    /// A thickness in 64ths, most of them small.
+    fn thickness(&mut self) -> f64 {
+        let most = [4, 12, 55][self.below(3)];
+        (1 + self.below(most)) as f64 / 64.0
+    }
+
     fn add(&mut self, p: [f64; 3]) -> u32 {
         self.domain.vertices.push(p);
         self.domain.vertices.len() as u32 - 1
@@ -81,7 +64,7 @@ impl Plates {
             let mut middle = [0, 1, 2].map(|k| at[0][k] + u * along(1, k) + w * along(3, k));
             middle[axis] += self.noise * (2.0 * self.random.unit() - 1.0);
             let in_middle = self.add(middle);
-            if self.random.below(3) > 0 {
+            if self.below(3) > 0 {
                 let outer = ring;
                 let share = 0.3 + 0.5 * self.random.unit();
                 for (k, corner) in at.iter().enumerate() {
@@ -109,22 +92,22 @@ impl Plates {
 
 /// Plates on each other in a box of another material, and the volume of the box.
 fn plates(seed: u64) -> (Domain, f64) {
-    let random = Random(seed.wrapping_mul(7919));
+    let random = Random::new(seed.wrapping_mul(7919));
     let mut own = Plates { domain: Domain::default(), random, noise: 0.0 };
     let bases = [[1.0, 1.0], [3.0, 2.0], [2.0, 2.0], [1.0, 3.0], [2.0, 1.0]];
-    let [x, y] = bases[own.random.below(5) as usize];
-    let count = 1 + own.random.below(3) as u32;
-    let margin = own.random.thickness();
-    own.noise = [1e-7, 1e-8, 3e-7][own.random.below(3) as usize];
-    let mut z = own.random.thickness();
+    let [x, y] = bases[own.below(5)];
+    let count = 1 + own.below(3) as u32;
+    let margin = own.thickness();
+    own.noise = [1e-7, 1e-8, 3e-7][own.below(3)];
+    let mut z = own.thickness();
     for number in 2..2 + count {
-        let thickness = own.random.thickness();
+        let thickness = own.thickness();
         own.boxed([[0.0, 0.0, z], [x, y, z + thickness]], number as i32, false);
         own.region([x / 2.0, y / 2.0, z + thickness / 2.0], number);
-        z += thickness + own.random.thickness();
+        z += thickness + own.thickness();
     }
     let [low, high] = [[-margin, -margin, 0.0], [x + margin, y + margin, z]];
-    let is_flat = own.random.below(2) == 1;
+    let is_flat = own.below(2) == 1;
     own.boxed([low, high], 1, is_flat);
     own.region([-margin / 2.0, -margin / 2.0, z / 2.0], 1);
     (own.domain, (0..3).map(|k| high[k] - low[k]).product())
