@@ -95,7 +95,7 @@ fn who_polls_seldom_has_the_same_mesh_with_fewer_polls() {
         })
         .collect();
     let vain = |run: &Meshed| run.summary.polls.total - run.summary.polls.useful;
-    // Who never looks before its work is done looks as seldom as who does so every fiftieth time.
+    // A worker that looks at the end alone looks as seldom as one that does every fiftieth time.
     assert!(runs[..3].is_sorted_by_key(|run| std::cmp::Reverse(vain(run))));
     assert!(vain(&runs[1]) > vain(&runs[3]) && vain(&runs[0]) > 2 * vain(&runs[2]));
     // A cavity takes about 2.4 ms on one of the paper's processors.
