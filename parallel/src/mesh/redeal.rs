@@ -49,16 +49,6 @@ struct Sent {
     n: [Lead; 4],
 }
 
-/// The cuts from now on.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Recut<'a> {
-    pub(crate) blocks: &'a Blocks,
-    /// The owners of blocks so far.
-    pub(crate) before: &'a Directory,
-    /// The owners of blocks from now on.
-    pub(crate) directory: &'a Directory,
-}
-
 /// A submesh's tetrahedra as they are dealt from now on.
 #[derive(Debug)]
 pub(crate) struct Dealt {
@@ -149,11 +139,16 @@ impl Parcel {
 
 impl LocalMesh {
     /// Cuts the curve anew: says which tetrahedra leave, and what the workers beside have to know.
-    /// The own stretch of given vertices is `own` then.
-    pub(crate) fn recut(&mut self, cut: Recut<'_>, own: Range<Place>) -> Dealt {
+    /// The own stretch of given vertices is `own` then; blocks keep their owners.
+    pub(crate) fn recut(
+        &mut self,
+        cuts: &Blocks,
+        directory: &Directory,
+        own: Range<Place>,
+    ) -> Dealt {
         let Self { tets, vertices, .. } = self;
-        vertices.recut(cut.blocks.clone(), |v| tets.point(v));
-        self.blocks = cut.blocks.clone();
+        vertices.recut(cuts.clone(), |v| tets.point(v));
+        self.blocks = cuts.clone();
         self.located.clear();
         // The rest of the own range; vertices that come are others.
         let Range { start, end } = self.vertices.numbers_of(own);
@@ -165,7 +160,7 @@ impl LocalMesh {
         let mut words: BTreeMap<WorkerId, Vec<Turned>> = BTreeMap::new();
         for (t, v) in self.tets.tets() {
             let block = block_of_tet(&self.vertices, v);
-            let owner = cut.directory.owner(block);
+            let owner = directory.owner(block);
             let block = self.fixed.map_or(block, |fixed| fixed.block_of(owner));
             blocks[t.index()] = block;
             if owner != self.me {
@@ -176,7 +171,7 @@ impl LocalMesh {
             }
             for u in self.tets.neighbours(t).map(tet_of) {
                 if let Some(Handle { name, block: there, face }) = self.tets.far(u) {
-                    let to = cut.before.owner(there);
+                    let to = directory.owner(there);
                     words.entry(to).or_default().push(Turned { name, face, block });
                 }
             }

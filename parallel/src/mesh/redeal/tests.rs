@@ -34,8 +34,7 @@ fn deal(meshes: &mut Meshes, turn: u64) -> u64 {
     for (directory, mesh) in &mut *all {
         let first = mesh.me.number() * *each;
         let own = blocks.stretch(first..first + *each);
-        let cut = Recut { blocks: &blocks, before: directory, directory };
-        let own = mesh.recut(cut, own);
+        let own = mesh.recut(&blocks, directory, own);
         own.words.iter().for_each(|(to, own)| words[to.index()].extend(own));
         dealt.push(own);
     }

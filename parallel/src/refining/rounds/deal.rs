@@ -7,7 +7,7 @@ use super::figures::Ending;
 use super::pace::{Part, cuts};
 use super::source::Rounds;
 use crate::WorkerError;
-use crate::mesh::redeal::{Dealt, Moved, Recut};
+use crate::mesh::redeal::{Dealt, Moved};
 use crate::mesh::{Blocks, Few, Layout, Redeal};
 use crate::protocol::{Config, Directory, Rules, SubmeshError, Worker, WorkerId};
 use crate::refining::RefineError;
@@ -144,8 +144,7 @@ fn move_all<C: Rules>(
     for own in &mut *all {
         let me = own.me();
         let Stopped { mesh, source, directory, moved } = own;
-        let (own_dealt, own_words) =
-            source.recut(mesh, Recut { blocks, before: directory, directory });
+        let (own_dealt, own_words) = source.recut(mesh, blocks, directory);
         own_words.iter().for_each(|(to, word)| moved.count(me, *to, word.bytes()));
         dealt.push(own_dealt);
         words.push(own_words);

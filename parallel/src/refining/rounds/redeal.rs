@@ -9,8 +9,8 @@ use super::demands::Pending;
 use super::pace::{OVER, Part, TET};
 use super::source::{Rounds, Stage, Waves};
 use super::tree::Tree;
-use crate::mesh::Mark;
-use crate::mesh::redeal::{Dealt, Leaving, Recut, Turned};
+use crate::mesh::redeal::{Dealt, Leaving, Turned};
+use crate::mesh::{Blocks, Mark};
 use crate::protocol::{Directory, Rules, SubmeshError, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainParcel};
 use crate::refining::flags::Flags;
@@ -92,11 +92,12 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn recut(
         &mut self,
         mesh: &mut DomainMesh<'_>,
-        cut: Recut<'_>,
+        cuts: &Blocks,
+        directory: &Directory,
     ) -> (Dealt, Vec<(WorkerId, Word)>) {
         let first = self.me.number() * self.blocks_each;
-        let own = cut.blocks.stretch(first..first + self.blocks_each);
-        let mut dealt = mesh.inner.recut(cut, own);
+        let own = cuts.stretch(first..first + self.blocks_each);
+        let mut dealt = mesh.inner.recut(cuts, directory, own);
         let mut words: BTreeMap<WorkerId, Word> = BTreeMap::new();
         for (to, turned) in std::mem::take(&mut dealt.words) {
             words.entry(to).or_default().turned = turned;
