@@ -76,7 +76,7 @@ pub(crate) struct Simulate {
     #[arg(long, default_value = "block", value_parser = ownerships())]
     pub(crate) ownership: Ownership,
     /// When the cuts between the processors' parts of a domain move between rounds: never, as
-    /// needed, also so that few begin and more follow (growing), or after every N-th round
+    /// needed, or after every N-th round
     #[arg(long, value_name = "WHEN", default_value = "never", hide_short_help = true)]
     pub(crate) redeal: Redeal,
     /// A processor with work of its own looks for messages before each N-th insertion

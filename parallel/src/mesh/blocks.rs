@@ -23,31 +23,6 @@ pub struct Blocks {
     cuts: Option<(Curve, Arc<[u64]>)>,
 }
 
-/// The workers that have a part, of all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Few {
-    pub(crate) active: u32,
-    pub(crate) workers: u32,
-    /// Blocks of each worker.
-    pub(crate) each: u32,
-}
-
-impl Few {
-    /// The number of workers that have a part, before one.
-    fn before_worker(self, worker: u32) -> u32 {
-        let before = u64::from(worker) * u64::from(self.active);
-        before.div_ceil(u64::from(self.workers.max(1))) as u32
-    }
-
-    /// The number of blocks with a part, before one.
-    pub(super) fn before(self, block: u32) -> u32 {
-        let worker = block / self.each;
-        let before = self.before_worker(worker);
-        let is_active = self.before_worker(worker + 1) > before;
-        before * self.each + if is_active { block % self.each } else { 0 }
-    }
-}
-
 /// A weight at a place along the curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -68,41 +43,43 @@ impl Blocks {
         Self { starts, density, cuts: None }
     }
 
-    /// Cuts a curve, along which `points` are numbered, into blocks; those with a part have about
-    /// equal parts of the weights of some places.
-    pub(crate) fn weighted(curve: Curve, points: &[Point], weights: &[Weight], few: Few) -> Self {
+    /// Cuts a curve, along which `points` are numbered, into `blocks` blocks with about equal parts
+    /// of the weights of some places.
+    pub(crate) fn weighted(
+        curve: Curve,
+        points: &[Point],
+        weights: &[Weight],
+        blocks: u32,
+    ) -> Self {
         let mark = |(p, weight): &Weight| Mark { key: curve.key(p), weight: *weight };
         let mut keyed: Vec<Mark> = weights.iter().map(mark).collect();
         keyed.sort_unstable();
-        Self::by_keys(curve, points, &keyed, few)
+        Self::by_keys(curve, points, &keyed, blocks)
     }
 
     /// As [`Blocks::weighted`], by the keys of places, ascending.
-    fn by_keys(curve: Curve, points: &[Point], keyed: &[Mark], few: Few) -> Self {
-        let blocks = (few.workers * few.each).max(1);
-        let parts = u128::from(few.before(blocks).max(1));
+    fn by_keys(curve: Curve, points: &[Point], keyed: &[Mark], blocks: u32) -> Self {
+        let blocks = blocks.max(1) as usize;
         let all: u128 = keyed.iter().map(|own| u128::from(own.weight)).sum();
         let (mut cuts, mut sum) = (vec![0], 0);
         for &Mark { key, weight } in keyed {
             sum += u128::from(weight);
             // A block ends where its share is reached.
-            while (cuts.len() as u32) < blocks
-                && sum * parts >= u128::from(few.before(cuts.len() as u32)) * all
-            {
+            while cuts.len() < blocks && sum * blocks as u128 >= cuts.len() as u128 * all {
                 cuts.push(key + 1);
             }
         }
-        cuts.resize(blocks as usize, u64::MAX);
+        cuts.resize(blocks, u64::MAX);
         let first = |&cut: &u64| 1 + points.partition_point(|p| curve.key(p) < cut) as Place;
         let starts = cuts.iter().map(first).chain([1 + points.len() as Place]).collect();
         Self { starts, density: 0, cuts: Some((curve, cuts.into())) }
     }
 
-    /// Other cuts of the same curve, along which `points` are numbered, by the weights at some
-    /// keys, ascending. `None` if there is no curve.
-    pub(crate) fn recut(&self, points: &[Point], keyed: &[Mark], few: Few) -> Option<Self> {
+    /// As many blocks by other cuts of the curve, along which `points` are numbered, by the weights
+    /// at some keys, ascending. `None` if there is no curve.
+    pub(crate) fn recut(&self, points: &[Point], keyed: &[Mark]) -> Option<Self> {
         let (curve, _) = self.cuts.as_ref()?;
-        Some(Self::by_keys(*curve, points, keyed, few))
+        Some(Self::by_keys(*curve, points, keyed, self.len() as u32))
     }
 
     /// The key of a place along the curve; 0 if there is none.

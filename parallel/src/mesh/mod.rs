@@ -41,7 +41,6 @@ mod vertices;
 mod wire;
 
 pub use blocks::Blocks;
-pub(crate) use blocks::Few;
 #[cfg(feature = "domains")]
 pub(crate) use blocks::Mark;
 pub use gather::{GatherError, Gathered, gather};

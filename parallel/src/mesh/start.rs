@@ -4,7 +4,7 @@
 use super::blocks::Weight;
 use super::coarse::Coarse;
 pub(crate) use super::coarse::{Sample, Sampled};
-use super::{Blocks, Few, Fixed, LocalMesh, Place, PointQueue};
+use super::{Blocks, Fixed, LocalMesh, Place, PointQueue};
 use crate::protocol::{BlockId, Directory, WorkerId};
 use ltbw_core::build::independent;
 use ltbw_core::order::{Curve, hilbert};
@@ -66,20 +66,8 @@ pub enum Redeal {
     Never,
     /// When one worker has had much more to do than others, and it seems to go on like that.
     AsNeeded,
-    /// As needed, and few workers have a part of a small mesh, more of them as it grows.
-    Growing,
     /// After every such number of rounds, whether it helps or not: for tests.
     Every(u64),
-}
-
-impl Redeal {
-    /// The number of workers that have a part of a mesh with `vertices` vertices.
-    pub(crate) fn active(self, vertices: u64, workers: u32) -> u32 {
-        match self {
-            Self::Growing => (vertices / EACH).clamp(1, u64::from(workers)) as u32,
-            Self::Never | Self::AsNeeded | Self::Every(_) => workers,
-        }
-    }
 }
 
 impl std::str::FromStr for Redeal {
@@ -89,15 +77,11 @@ impl std::str::FromStr for Redeal {
         match (text, text.parse()) {
             ("never", _) => Ok(Self::Never),
             ("needed", _) => Ok(Self::AsNeeded),
-            ("growing", _) => Ok(Self::Growing),
             (_, Ok(rounds)) if rounds > 0 => Ok(Self::Every(rounds)),
-            _ => Err(format!("no redeal `{text}`: never, needed, growing or a number of rounds")),
+            _ => Err(format!("no redeal `{text}`: never, needed or a number of rounds")),
         }
     }
 }
-
-/// The vertices for which there is a worker.
-const EACH: u64 = 500;
 
 /// The layout of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -205,7 +189,7 @@ impl Layout {
                 let curve = Curve::of_box(low, high);
                 Blocks::even(points.len() as u32, count).along(curve, &points)
             }
-            Some(Cut { curve, weights, few }) => Blocks::weighted(curve, &points, weights, few),
+            Some(Cut { curve, weights }) => Blocks::weighted(curve, &points, weights, count),
         };
         // The one is sequential, the other mostly waits for memory.
         let (coarse, meshes) =
@@ -327,8 +311,6 @@ pub(crate) struct Cut<'a> {
     pub(crate) curve: Curve,
     /// The weights of some places.
     pub(crate) weights: &'a [Weight],
-    /// The workers that have a part.
-    pub(crate) few: Few,
 }
 
 /// The part of a start that is wanted.

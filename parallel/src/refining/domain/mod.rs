@@ -40,7 +40,7 @@ pub use values::{DomainCargo, DomainPatch, DomainPiece, DomainPoint};
 
 use super::RefineError;
 use crate::mesh::start::Cut;
-use crate::mesh::{Blocks, Few, Layout, Prepared, SharedInput, VertexName, given};
+use crate::mesh::{Blocks, Layout, Prepared, SharedInput, VertexName, given};
 use crate::protocol::{BlockId, Config, Rules, Source, Worker, WorkerId};
 use ltbw_core::order::{Curve, bounding_box};
 use ltbw_exact::{Mode, Point, PointSet};
@@ -67,8 +67,7 @@ fn curve_for(start: &Start, weights: &[(Point, u64)], layout: &Layout) -> Curve 
     let (low, high) = bounding_box(&start.points);
     let larger = |part: f64| [0, 1, 2].map(|k| high[k] + (high[k] - low[k]) * part);
     let divided = |curve: &Curve| {
-        let few = Few { active: layout.workers, workers: layout.workers, each: 1 };
-        let blocks = Blocks::weighted(*curve, &[], weights, few);
+        let blocks = Blocks::weighted(*curve, &[], weights, layout.workers);
         let parts: Vec<BlockId> = start.points.iter().map(|p| blocks.of_point(p)).collect();
         let is_divided =
             |v: &[u32; 4]| v.iter().any(|&k| parts[k as usize] != parts[v[0] as usize]);
@@ -94,13 +93,8 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
     // One worker has all of the work.
     let weights = (layout.workers > 1)
         .then(|| start.weights(&complex, PLACES.saturating_mul(layout.workers as usize)));
-    let active = layout.redeal.active(start.points.len() as u64, layout.workers);
-    let few = Few { active, workers: layout.workers, each: layout.blocks_per_worker };
-    let cut = weights.as_ref().map(|weights| Cut {
-        curve: curve_for(start, weights, layout),
-        weights,
-        few,
-    });
+    let cut =
+        weights.as_ref().map(|weights| Cut { curve: curve_for(start, weights, layout), weights });
     let Prepared { workers, mut common, .. } = layout.prepare_all(&set, cut)?;
     common.mode = start.mode;
     let config = Config { workers: layout.workers, ..config };

@@ -8,7 +8,7 @@ use super::pace::{Part, cuts};
 use super::source::Rounds;
 use crate::WorkerError;
 use crate::mesh::redeal::{Dealt, Moved};
-use crate::mesh::{Blocks, Few, Layout, Redeal};
+use crate::mesh::{Blocks, Layout, Redeal};
 use crate::protocol::{Config, Directory, Rules, SubmeshError, Worker, WorkerId};
 use crate::refining::RefineError;
 use crate::refining::domain::DomainMesh;
@@ -106,20 +106,17 @@ pub(super) fn redeal<'c, C: Rules>(
     all.iter_mut().zip(&work).for_each(|(own, work)| own.moved.told = work.bytes());
     let parts = exchange.to_all(work)?;
     let Some(first) = all.first() else { return Ok((Vec::new(), Vec::new())) };
-    let Layout { workers, blocks_per_worker: each, redeal, .. } = common.layout;
-    let (active, before) = (first.source.active(), first.source.pace.active);
-    let is_forced = matches!(redeal, Redeal::Every(_)) || active != before;
-    let few = Few { active, workers, each };
-    let blocks = cuts(&parts, (first.mesh.inner.blocks(), common.points), few, is_forced);
+    let Layout { workers, redeal, .. } = common.layout;
+    let is_forced = matches!(redeal, Redeal::Every(_));
+    let blocks = cuts(&parts, (first.mesh.inner.blocks(), common.points), is_forced);
     if let Some(blocks) = &blocks {
         move_all(&mut all, blocks, exchange)?;
     }
     let has_moved = blocks.is_some();
-    let active = if has_moved { active } else { before };
     let mut moved = Vec::with_capacity(all.len());
     let config = Config { workers, ..common.config };
     let again = |mut own: Stopped<'c, C>| {
-        own.source.begin_again(active, has_moved);
+        own.source.begin_again(has_moved);
         own.source.count_moved(own.moved.came);
         moved.push(own.moved);
         Worker::new(config, own.directory, own.mesh, own.source)

@@ -363,7 +363,6 @@ fn begin<'c, C: Rules>(
 ) -> Result<Begun<'c, C>, RefineError> {
     let before = start.made();
     let others = start.points.len() as u64 - before;
-    let active = layout.redeal.active(start.points.len() as u64, layout.workers);
     let source = |me, mesh: &mut DomainMesh<'_>| {
         let (workers, blocks_each) = (layout.workers, layout.blocks_per_worker);
         let among = source::Among { me, workers, blocks_each };
@@ -371,7 +370,7 @@ fn begin<'c, C: Rules>(
         source.expect_tets(start.expected_of(layout.workers));
         source.resume(mesh, &resumed.left, resumed.figures);
         source.border = resumed.border;
-        source.pace = Pace::new(layout.redeal, active);
+        source.pace = Pace::new(layout.redeal, layout.workers);
         source
     };
     prepare(complex, start, &layout, config, source)

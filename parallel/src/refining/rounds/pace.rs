@@ -1,7 +1,7 @@
 //! When the cuts between the workers' parts move, and to where: functions of what all know, so that
 //! all decide alike.
 
-use crate::mesh::{Blocks, Few, Mark, Redeal};
+use crate::mesh::{Blocks, Mark, Redeal};
 use ltbw_exact::Point;
 
 /// Places at which a worker says how much work lies before them along the curve.
@@ -55,18 +55,17 @@ impl Part {
 pub(super) fn cuts(
     parts: &[Part],
     (blocks, points): (&Blocks, &[Point]),
-    few: Few,
     is_forced: bool,
 ) -> Option<Blocks> {
     let all: u64 = parts.iter().map(Part::sum).sum();
     let most = parts.iter().map(Part::sum).max().unwrap_or_default();
-    let is_uneven = most as f64 * f64::from(few.active) > LEAST * all as f64;
+    let is_uneven = most as f64 * parts.len() as f64 > LEAST * all as f64;
     if all == 0 || !(is_forced || is_uneven) {
         return None;
     }
     let mut keyed: Vec<Mark> = parts.iter().flat_map(|own| &own.samples).copied().collect();
     keyed.sort_unstable();
-    blocks.recut(points, &keyed, few)
+    blocks.recut(points, &keyed)
 }
 
 /// The work of the busiest worker over the mean from which on cuts move.
@@ -76,14 +75,12 @@ const LEAST: f64 = 1.15;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
     mode: Redeal,
-    /// The workers that have a part.
-    pub(super) active: u32,
+    workers: u32,
     /// With [`Redeal::Every`]: the rounds after which it is time.
     next: u64,
     /// The rounds after which the cuts were looked at last.
     last: u64,
-    /// Since then: the points of the busiest worker, summed over rounds, and the
-    /// mean.
+    /// Since then: the points of the busiest worker, summed over rounds, and the mean.
     most: f64,
     mean: f64,
     /// The points that the busiest may have had more than the mean, over those of a worker.
@@ -91,56 +88,39 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// The pace of workers of which `active` have a part.
-    pub(super) fn new(mode: Redeal, active: u32) -> Self {
+    /// The pace of so many workers.
+    pub(super) fn new(mode: Redeal, workers: u32) -> Self {
         let next = match mode {
             Redeal::Every(rounds) => rounds.max(1),
-            Redeal::Never | Redeal::AsNeeded | Redeal::Growing => u64::MAX,
+            Redeal::Never | Redeal::AsNeeded => u64::MAX,
         };
-        Self { mode, active, next, last: 0, most: 0.0, mean: 0.0, patience: PATIENCE }
+        Self { mode, workers, next, last: 0, most: 0.0, mean: 0.0, patience: PATIENCE }
     }
 
     /// A round is over that has inserted `all` points, the busiest worker `most`.
     pub(super) fn count(&mut self, most: u64, all: u64) {
         self.most += most as f64;
-        self.mean += all as f64 / f64::from(self.active);
+        self.mean += all as f64 / f64::from(self.workers);
     }
 
     /// Is it time, with this mesh?
-    pub(super) fn is_due(&self, rounds: u64, vertices: u64, workers: u32) -> bool {
+    pub(super) fn is_due(&self, rounds: u64, vertices: u64) -> bool {
         match self.mode {
             // Cuts that are not mended are looked at again when a round is over.
-            _ if workers == 1 || rounds <= self.last => false,
+            _ if self.workers == 1 || rounds <= self.last => false,
             Redeal::Never => false,
             Redeal::Every(_) => rounds >= self.next,
-            Redeal::AsNeeded | Redeal::Growing => {
-                if self.grows(vertices, workers) {
-                    return true;
-                }
-                let own = vertices as f64 / f64::from(self.active);
+            Redeal::AsNeeded => {
+                let own = vertices as f64 / f64::from(self.workers);
                 let more = self.most - self.mean;
                 more > self.patience * own + SHORT && self.most > WORST * self.mean
             }
         }
     }
 
-    /// Are there to be many more workers that have a part?
-    fn grows(&self, vertices: u64, workers: u32) -> bool {
-        let wanted = self.mode.active(vertices, workers);
-        wanted > self.active && wanted >= workers.min(GROWTH * self.active)
-    }
-
-    /// The workers that are to have a part now.
-    pub(super) fn active(&self, vertices: u64, workers: u32) -> u32 {
-        match self.grows(vertices, workers) {
-            true => self.mode.active(vertices, workers),
-            false => self.active,
-        }
-    }
-
-    /// The cuts were looked at for `active` workers, and have moved or not.
-    pub(super) fn looked(&mut self, rounds: u64, active: u32, have_moved: bool) {
-        (self.active, self.last) = (active, rounds);
+    /// The cuts were looked at, and have moved or not.
+    pub(super) fn looked(&mut self, rounds: u64, have_moved: bool) {
+        self.last = rounds;
         if let Redeal::Every(each) = self.mode {
             self.next = rounds + each.max(1);
         }
@@ -153,8 +133,6 @@ impl Pace {
 
 /// The points that the busiest may have had more than the mean, over the vertices of a worker.
 const PATIENCE: f64 = 0.25;
-/// The number of workers grows by this factor.
-const GROWTH: u32 = 2;
 /// The points that take as long as workers take to stop, and to begin again.
 const SHORT: f64 = 64.0;
 /// The points of the busiest worker over the mean that nobody minds.

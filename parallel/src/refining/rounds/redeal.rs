@@ -154,11 +154,6 @@ impl<C: Rules> Rounds<C> {
         Ok(cargos.into_iter().collect())
     }
 
-    /// The workers that are to have a part from now on.
-    pub(super) fn active(&self) -> u32 {
-        self.pace.active(self.vertices(), self.workers)
-    }
-
     /// Counts the tetrahedra that have come.
     pub(super) fn count_moved(&mut self, came: u64) {
         self.figures.moved += came;
@@ -207,10 +202,9 @@ impl<C: Rules> Rounds<C> {
         Ok(())
     }
 
-    /// The next round begins, nothing of the one before is left, and `active` workers have a part.
-    /// Have the cuts moved?
-    pub(super) fn begin_again(&mut self, active: u32, have_moved: bool) {
-        self.pace.looked(self.figures.rounds[0], active, have_moved);
+    /// The next round begins, and nothing of the one before is left. Have the cuts moved?
+    pub(super) fn begin_again(&mut self, have_moved: bool) {
+        self.pace.looked(self.figures.rounds[0], have_moved);
         self.figures.redeals += u64::from(have_moved);
         self.stage = Stage::Looking;
         self.waves = Waves { tree: Tree::new(self.me, self.workers), before: None, passed: None };

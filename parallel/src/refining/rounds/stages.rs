@@ -289,7 +289,7 @@ impl<C: Rules> Rounds<C> {
         if self.border.is_some_and(|border| self.figures.rounds[0] >= border) {
             return self.end(Ending::Border);
         }
-        if self.pace.is_due(self.figures.rounds[0], self.vertices(), self.workers) {
+        if self.pace.is_due(self.figures.rounds[0], self.vertices()) {
             return self.end(Ending::Redeal);
         }
         self.stage = Stage::Choosing;
