@@ -1,5 +1,6 @@
 //! Test point sets: uniform, gridded, degenerate and awkward, the same on every machine. Test
-//! domains are in [`domains`], [`surfaces`] and [`layers`], points in them in [`scattered`].
+//! domains are in [`domains`], [`surfaces`], [`layers`] and [`plates`], points in them in
+//! [`scattered`].
 //!
 //! Random numbers come from a generator of our own, and coordinates are made with + − × ÷ √
 //! only, whose results IEEE 754 fixes to the bit. A point set is a function of its kind, size and
@@ -10,6 +11,7 @@
 
 pub mod domains;
 pub mod layers;
+pub mod plates;
 pub mod scattered;
 pub mod surfaces;
 

@@ -108,7 +108,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         self.install(cargo);
     }
 
-    /// Tetrahedra of a block arrive that were made where it had been (R10).
+    /// Tetrahedra of a block that were made where it had been: they are at home here, or go on
+    /// (R10).
     pub(super) fn stray(&mut self, block: BlockId, cargo: S::Cargo) {
         if self.directory.is_mine(block) {
             self.install(cargo);
@@ -120,10 +121,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// Sends new tetrahedra of `block`, which has moved, after it.
     pub(super) fn send_stray(&mut self, block: BlockId) {
         let cargo = self.take_out(block);
-        // R10
-        if C::forwards() {
-            self.send(self.directory.owner(block), Message::Stray { block, cargo });
-        }
+        self.stray(block, cargo);
     }
 
     fn install(&mut self, cargo: S::Cargo) {

@@ -92,6 +92,9 @@ rules! {
     fn lends_stars;
     /// R35: tetrahedra that circles make get the regions that the conductor tells.
     fn labels_circles;
+    /// R36: at patches the turn of an item's last attempt, which may have no point, keeps the
+    /// carrier of the one before.
+    fn keeps_carrier;
 }
 
 /// The protocol as it ships.

@@ -145,4 +145,6 @@ variants! {
     R34 lends_stars: StingyLender, "lent what lies in the balls alone";
     /// Regions have leaked where the boundary was not complete in between.
     R35 labels_circles: LeakyCircle, "regions inherited in circles";
+    /// An item for which no point does waits for those of its own facet that come before it.
+    R36 keeps_carrier: Nowhere, "last attempt told without its carrier";
 }

@@ -11,6 +11,7 @@ use ltbw::refine::{Refined, Refiner};
 use ltbw::refining::{Ending, simulate_rounds};
 use ltbw::simulate::{Network, Options};
 use ltbw_generate::layers::stack;
+use ltbw_generate::plates::{Plates, plates};
 use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
 use ltbw_models::report::row;
 use ltbw_models::variants::{Defect, KnownBad};
@@ -247,4 +248,25 @@ fn circles_with_a_broken_rule_are_caught() {
     }
     caught(Defect::StingyLender, &all);
     caught(Defect::LeakyCircle, &all);
+}
+
+/// Plates in a box, all with patches: an item is refused for which no point does.
+fn boxed_case(seed: u64, parts: f64) -> Case {
+    let Plates { domain, volume } = plates(seed);
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refiner = Refiner::new().max_volume(volume / parts).min_dihedral(0.0);
+    let refiner = refiner.flat_tolerance(1e-6).start(0);
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+}
+
+#[test]
+fn turns_with_a_broken_rule_are_caught() {
+    let all = [boxed_case(119, 200.0)];
+    for case in &all {
+        for of in RUNS {
+            assert_eq!(run::<Correct>(case, of), Ok(()), "{of:?}");
+        }
+    }
+    caught(Defect::Nowhere, &all);
 }

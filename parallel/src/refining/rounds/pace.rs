@@ -88,7 +88,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// The pace of so many workers.
+    /// The pace of `workers` workers.
     pub(super) fn new(mode: Redeal, workers: u32) -> Self {
         let next = match mode {
             Redeal::Every(rounds) => rounds.max(1),

@@ -98,7 +98,11 @@ impl<C: Rules> Rounds<C> {
         self.choice.current[turn.number as usize] = to;
         let carrier = self.choice.probes[from as usize].carrier;
         let next = &mut self.choice.probes[to as usize];
-        (next.turn, next.carrier) = (Some(turn), carrier);
+        next.turn = Some(turn);
+        // R36.
+        if C::keeps_carrier() {
+            next.carrier = carrier;
+        }
     }
 
     /// A probe has ended: tells the conductor what it has found.
