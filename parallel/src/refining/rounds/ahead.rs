@@ -22,9 +22,8 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn looks_ahead(&self, standing: Standing) -> bool {
         let waits = match self.stage {
             // The regions of what circles make are not known before all of it is in.
-            Stage::Inserting if self.circles.are_inserted() => false,
-            Stage::Inserting => self.waves.tree.has_put() && standing.is_passive,
-            Stage::Counting => self.waves.tree.has_put(),
+            Stage::Inserting | Stage::Counting if self.circles.are_inserted() => false,
+            Stage::Inserting | Stage::Counting => self.waves.tree.has_put() && standing.is_passive,
             Stage::Exchanging(_) => true,
             Stage::Looking | Stage::Choosing | Stage::Parting | Stage::Deciding | Stage::Over => {
                 false

@@ -181,13 +181,13 @@ impl<C: Rules> Rounds<C> {
 
     /// The points of circles are in, if that is what was inserted: enters the regions of new
     /// tetrahedra. Some have inherited others, where the boundary was not complete in between.
-    pub(super) fn label_parted(&mut self, mesh: &mut DomainMesh<'_>) -> bool {
-        let Some(told) = self.circles.parted.take() else { return false };
+    pub(super) fn label_parted(&mut self, mesh: &mut DomainMesh<'_>) {
+        let Some(told) = self.circles.parted.take() else { return };
         let own = told.relabelled.iter().filter(|own| own.owner == self.me);
         self.created.extend(own.map(|own| own.tet));
         // R35.
         if !C::labels_circles() {
-            return true;
+            return;
         }
         let labels: FxHashMap<TetPlace, u32> = told.labels.iter().copied().collect();
         for &t in &self.created {
@@ -201,6 +201,5 @@ impl<C: Rules> Rounds<C> {
                 mesh.set_region(t, region);
             }
         }
-        true
     }
 }

@@ -8,7 +8,6 @@
 use super::demands::Pending;
 use super::pace::{OVER, Part, TET};
 use super::source::{Rounds, Stage, Waves};
-use super::tree::Tree;
 use crate::mesh::redeal::{Dealt, Leaving, Turned};
 use crate::mesh::{Blocks, Mark};
 use crate::protocol::{Directory, Rules, SubmeshError, WorkerId};
@@ -206,8 +205,8 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn begin_again(&mut self, have_moved: bool) {
         self.pace.looked(self.figures.rounds[0], have_moved);
         self.figures.redeals += u64::from(have_moved);
-        self.stage = Stage::Looking;
-        self.waves = Waves { tree: Tree::new(self.me, self.workers), before: None, passed: None };
+        self.stage = Stage::Counting;
+        self.waves = Waves::new(self.me, self.workers);
         self.exchange = Default::default();
         self.choice = Default::default();
         self.conductor = Default::default();

@@ -42,6 +42,13 @@ pub(super) struct Waves {
     pub(super) passed: Option<Sums>,
 }
 
+impl Waves {
+    /// The barriers of worker `me` before the first round: no operation has been under way.
+    pub(super) fn new(me: WorkerId, workers: u32) -> Self {
+        Self { tree: Tree::new(me, workers), before: Some(Sums::default()), passed: None }
+    }
+}
+
 /// The exchanges of keys with the workers beside.
 #[derive(Debug, Default)]
 pub(super) struct Exchange {
@@ -166,8 +173,8 @@ impl<C: Rules> Rounds<C> {
             me,
             workers,
             blocks_each,
-            stage: Stage::Looking,
-            waves: Waves { tree: Tree::new(me, workers), before: None, passed: None },
+            stage: Stage::Counting,
+            waves: Waves::new(me, workers),
             exchange: Exchange::default(),
             keys: SharedKeys::default(),
             ahead: Ahead::default(),
@@ -338,8 +345,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 self.end_decisions();
             }
             _ if !self.waves.tree.has_put() && self.is_ready_for_barrier(standing) => {
-                let step = self.waves.tree.put(self.sums(standing));
-                self.take_step(step);
+                self.put(mesh, standing);
             }
             _ if self.looks_ahead(standing) => self.look_ahead(mesh),
             _ => {}

@@ -1,19 +1,20 @@
 //! The stages of a round, one after the other, and the barriers between them.
 //!
 //! ```text
-//! look      new tetrahedra get their ranks; two exchanges with the workers beside
 //! count     barrier: which items there are to split; all decide alike what this round splits
+//! look      if tetrahedra: new ones get their ranks; two exchanges with the workers beside
 //! choose    who is foremost, if tetrahedra are split; probes find closures and reserve cavities
 //! chosen    barrier: all cavities are reserved
 //! decide    owners tell of rivals; each home decides alone for its own
-//! insert    the protocol inserts what is chosen; barrier when nothing is under way
+//! insert    the protocol inserts what is chosen; barrier when nothing seems to be under way
 //! ```
 //!
 //! Where the mesh is read, up to the second barrier, it stays as it is. From there on others may
 //! insert already, so that decisions rest on what was read before. All barriers are waves that are
 //! repeated until the counts say that nothing is on its way: of one kind of messages, which nobody
 //! sends any more once he has said so, one wave with equal counts will do; operations lead to
-//! others, so it takes two waves that are equal.
+//! others, so it takes two waves that are equal, the one that ends the insertion and the one that
+//! counts.
 
 use super::candidate::{Probe, What};
 use super::demands::Settled;
@@ -29,13 +30,13 @@ use ltbw_exact::Point;
 use ltbw_refine::{BoundaryItem, are_joined};
 
 // The places of sums.
-const READY: usize = 0;
-const WAITING: usize = 1;
 const FOREMOST: usize = 2;
 const IRREGULAR: usize = MOST;
 const OPEN: usize = 4;
 const CANDIDATES: usize = 5;
 const CANCELLED: usize = 5;
+const READY: usize = 6;
+const WAITING: usize = 7;
 const CHOSEN: [usize; 3] = [6, 7, 8];
 const FOLLOWERS: usize = 0;
 const NEWS: usize = 9;
@@ -49,6 +50,13 @@ pub(super) fn along_curve(places: impl Iterator<Item = Point>) -> impl Iterator<
     Curve::of_box(low, high).order(&places).into_iter().map(|k| k as usize)
 }
 
+/// Of sums, the numbers of messages about operations.
+fn operations(sums: Sums) -> Sums {
+    let mut own = [0; SUMS];
+    (own[SENT], own[TAKEN]) = (sums[SENT], sums[TAKEN]);
+    own
+}
+
 impl<C: Rules> Rounds<C> {
     /// Looks at some of the tetrahedra made since the last look, `most` of them at most.
     pub(super) fn look_at_created(&mut self, mesh: &mut DomainMesh<'_>, most: usize) {
@@ -58,17 +66,20 @@ impl<C: Rules> Rounds<C> {
         self.created.truncate(first);
     }
 
-    /// Looks at the new tetrahedra; the first exchange begins.
-    pub(super) fn look(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory) {
+    /// Looks at all new tetrahedra, and forgets those that are gone.
+    fn look_again(&mut self, mesh: &mut DomainMesh<'_>) {
         self.look_at_created(mesh, usize::MAX);
         self.keys.start(mesh);
+    }
+
+    /// Looks at the new tetrahedra; the first exchange begins.
+    pub(super) fn look(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory) {
+        self.look_again(mesh);
         if self.keys.own.count_looks_anew() {
             // They are as of looks of before.
             self.ahead.clear();
         }
         mesh.count_steps(self.keys.news() as u64 / 8);
-        self.served.clear(mesh);
-        self.choice.probes.clear();
         self.begin_exchange(mesh, directory, 0);
     }
 
@@ -108,20 +119,20 @@ impl<C: Rules> Rounds<C> {
     /// All workers beside have told their keys: the next stage begins.
     pub(super) fn end_exchange(
         &mut self,
-        mesh: &DomainMesh<'_>,
+        mesh: &mut DomainMesh<'_>,
         directory: &Directory,
         second: u32,
     ) {
         if second == 0 {
             return self.begin_exchange(mesh, directory, 1);
         }
-        self.stage = Stage::Counting;
+        self.begin_to_choose(mesh, true);
     }
 
     /// Is this worker ready for the barrier of its stage?
     pub(super) fn is_ready_for_barrier(&self, standing: Standing) -> bool {
         match self.stage {
-            Stage::Counting => true,
+            Stage::Counting => standing.is_passive,
             Stage::Choosing => {
                 // The conductor has to have said who is probed, and in turns what becomes of all.
                 let is_told =
@@ -137,12 +148,25 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
+    /// Says what this worker adds at the barrier for which it is ready.
+    pub(super) fn put(&mut self, mesh: &DomainMesh<'_>, standing: Standing) {
+        if self.stage == Stage::Counting {
+            // Others may search for the next choice before this worker hears that all have counted.
+            self.served.clear(mesh);
+            self.choice.probes.clear();
+        }
+        let step = self.waves.tree.put(self.sums(standing));
+        self.take_step(step);
+    }
+
     /// The sums that this worker adds at the barrier for which it is ready.
-    pub(super) fn sums(&self, standing: Standing) -> Sums {
+    fn sums(&self, standing: Standing) -> Sums {
         let mut sums = [0; SUMS];
         match self.stage {
             Stage::Counting => {
                 let ready = self.demands.ready();
+                sums[SENT] = standing.sent as i64;
+                sums[TAKEN] = standing.received as i64;
                 sums[READY] = ready as i64;
                 sums[WAITING] = (self.demands.pending.len() - ready) as i64;
                 sums[OPEN] = self.counts.releases;
@@ -200,12 +224,16 @@ impl<C: Rules> Rounds<C> {
         match self.stage {
             // Something was still under way: once more.
             _ if sums[OPEN] != 0 => {}
-            Stage::Counting => self.decide_what(mesh, &sums),
+            // R19.
+            Stage::Counting => {
+                if is_quiet::<C>(before.map(operations), &operations(sums)) {
+                    self.decide_what(mesh, &sums);
+                }
+            }
             Stage::Choosing => self.end_choice(mesh, &sums),
             Stage::Inserting => {
-                if is_quiet::<C>(before, &sums) {
-                    let has_parted = self.label_parted(mesh);
-                    self.settle(&sums, has_parted);
+                if sums[SENT] == sums[TAKEN] {
+                    self.settle(&sums);
                 }
             }
             Stage::Looking
@@ -214,7 +242,7 @@ impl<C: Rules> Rounds<C> {
             | Stage::Deciding
             | Stage::Over => {}
         }
-        if self.stage != Stage::Inserting {
+        if !matches!(self.stage, Stage::Inserting | Stage::Counting) {
             self.waves.before = None;
         }
     }
@@ -267,8 +295,9 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// All know what there is to split: this round's probes are made.
+    /// All know what there is to split, and nothing of the round before is under way.
     fn decide_what(&mut self, mesh: &mut DomainMesh<'_>, sums: &Sums) {
+        self.label_parted(mesh);
         let has_boundary = sums[READY] > 0;
         let has_tets = match has_boundary {
             // At patches points are alone in their closures.
@@ -277,24 +306,44 @@ impl<C: Rules> Rounds<C> {
             false => true,
         };
         if sums[CANCELLED] > 0 {
-            return self.end(Ending::Cancelled);
+            return self.stop(mesh, Ending::Cancelled);
         }
         if !has_boundary && sums[WAITING] > 0 {
+            // Of those that circles make the regions are told later.
+            self.look_at_created(mesh, usize::MAX);
             return self.enter_circles();
         }
         if self.slivers.has_begun() {
+            self.look_at_created(mesh, usize::MAX);
             return self.choose_slivers(mesh);
         }
         // All count the rounds alike.
         if self.border.is_some_and(|border| self.figures.rounds[0] >= border) {
-            return self.end(Ending::Border);
+            return self.stop(mesh, Ending::Border);
         }
         if self.pace.is_due(self.figures.rounds[0], self.vertices()) {
-            return self.end(Ending::Redeal);
+            return self.stop(mesh, Ending::Redeal);
         }
+        self.choice.has_boundary = has_boundary;
+        match has_tets {
+            true => self.stage = Stage::Looking,
+            // Nobody asks who is foremost: new tetrahedra are looked at later.
+            false => self.begin_to_choose(mesh, false),
+        }
+    }
+
+    /// Stops between two rounds, with all tetrahedra looked at.
+    fn stop(&mut self, mesh: &mut DomainMesh<'_>, ending: Ending) {
+        self.look_again(mesh);
+        self.end(ending);
+    }
+
+    /// This round's probes are made, those for tetrahedra if it `splits` such.
+    fn begin_to_choose(&mut self, mesh: &mut DomainMesh<'_>, splits: bool) {
         self.stage = Stage::Choosing;
         self.choice.fits = 0;
         mesh.begin_round();
+        let has_boundary = self.choice.has_boundary;
         let ready: Vec<BoundaryItem> = self
             .demands
             .pending
@@ -308,9 +357,8 @@ impl<C: Rules> Rounds<C> {
             let k = self.add_probe(What::Item(Box::new(item)), item.rank().lead(), 0);
             self.choice.to_launch.push_back(k);
         }
-        self.choice.has_boundary = has_boundary;
         (self.choice.foremost, self.choice.entered) = (None, None);
-        if has_tets {
+        if splits {
             self.check_blocks();
             self.add_foremost(mesh);
         }
@@ -361,8 +409,9 @@ impl<C: Rules> Rounds<C> {
         (self.stage, self.waves.before) = (Stage::Inserting, None);
     }
 
-    /// Everything of a round is in.
-    fn settle(&mut self, sums: &Sums, has_parted: bool) {
+    /// Nothing of a round seems to be under way: what was asked for, is gone or refused is known.
+    /// Whether the last points are in the next wave tells, if it counts as many messages.
+    fn settle(&mut self, sums: &Sums) {
         let chosen = CHOSEN.map(|place| sums[place]);
         let all: i64 = chosen.iter().sum();
         self.budget.total += all;
@@ -377,7 +426,6 @@ impl<C: Rules> Rounds<C> {
         }
         self.pace.count(sums[MOST] as u64, all as u64);
         self.points.by_class = [0; 3];
-        self.points.starts.clear();
         let Settled { waited, refused } = self.demands.settle();
         for (keeper, waiter) in waited {
             self.counts.releases += 1;
@@ -386,7 +434,7 @@ impl<C: Rules> Rounds<C> {
         self.tell_refusals(&refused);
         self.tell_touched();
         self.demands.release();
-        self.stage = Stage::Looking;
+        self.stage = Stage::Counting;
         // R21: one that has not waited for the others is told now.
         if !C::awaits_reservations() {
             self.count(sums);
@@ -396,7 +444,7 @@ impl<C: Rules> Rounds<C> {
         }
         // Every round inserts a point, asks for something or refuses it; of a circle one item is
         // split or refused.
-        if all == 0 && sums[NEWS] == 0 && !has_parted {
+        if all == 0 && sums[NEWS] == 0 && !self.circles.are_inserted() {
             self.end(Ending::Irregular);
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! | sent in | kinds | taken before |
 //! |---|---|---|
-//! | `Looking`, `Exchanging` | `Keys` | `Counting` ends |
+//! | `Looking`, `Exchanging` | `Keys` | `Choosing` ends |
 //! | `Choosing` | `Way`, `Seek`, `Search`, `Beyond`, `Part`, `Blocks` | `Choosing` ends |
 //! | `Choosing` | `Void`, `WantRivals` | `Choosing` ends |
 //! | `Choosing`, in turns | `Entrants`, `Launch`, `Report`, `Fates` | `Choosing` ends |
@@ -20,12 +20,12 @@ use crate::refining::news::NEWS_KINDS;
 /// The stages of a round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stage {
+    /// Waiting at the barrier at which all is counted.
+    Counting,
     /// New tetrahedra are to be looked at.
     Looking,
     /// The workers beside have to tell their keys, for the first or second time.
     Exchanging(u32),
-    /// Waiting at the barrier at which all is counted.
-    Counting,
     /// Probing.
     Choosing,
     /// Circles are split.
@@ -47,8 +47,8 @@ pub(super) struct Counts {
 }
 
 /// The kinds in the order of the table, and from the start again: a round follows a round.
-const KINDS: [&str; NEXT_PROBES + DECISIONS - PROBES] = {
-    let mut all = [""; NEXT_PROBES + DECISIONS - PROBES];
+const KINDS: [&str; NEXT_KEYS + RELEASES] = {
+    let mut all = [""; NEXT_KEYS + RELEASES];
     let mut k = 0;
     while k < all.len() {
         all[k] = NEWS_KINDS[k % NEXT_KEYS];
@@ -56,26 +56,25 @@ const KINDS: [&str; NEXT_PROBES + DECISIONS - PROBES] = {
     }
     all
 };
-// The places of the first of each row.
-const PROBES: usize = 1;
+// The places of the first kinds that are sent after a barrier.
 const DECISIONS: usize = 16;
 const RELEASES: usize = 20;
 const NEXT_KEYS: usize = 23;
-const NEXT_PROBES: usize = 24;
+const NEXT_DECISIONS: usize = NEXT_KEYS + DECISIONS;
 
 impl Stage {
     /// The kinds of which none may be under way while a worker is in this stage. One that has not
     /// said its word yet at the barrier there `keeps` all others from what follows.
     pub(super) fn excludes(self, keeps: bool) -> &'static [&'static str] {
         match self {
-            Self::Looking | Self::Exchanging(_) => &KINDS[PROBES..RELEASES],
-            Self::Counting if keeps => &KINDS[PROBES..RELEASES],
+            Self::Counting if keeps => &KINDS[NEXT_KEYS..],
             Self::Counting => &KINDS[DECISIONS..RELEASES],
-            Self::Choosing if keeps => &KINDS[DECISIONS..NEXT_PROBES],
-            Self::Choosing | Self::Parting => &KINDS[RELEASES..NEXT_PROBES],
-            Self::Deciding => &KINDS[RELEASES..],
-            Self::Inserting if keeps => &KINDS[RELEASES..],
-            Self::Inserting => &KINDS[NEXT_PROBES..],
+            Self::Looking | Self::Exchanging(_) => &KINDS[DECISIONS..NEXT_KEYS],
+            Self::Choosing if keeps => &KINDS[DECISIONS..NEXT_KEYS],
+            Self::Choosing | Self::Parting => &KINDS[RELEASES..NEXT_KEYS],
+            Self::Deciding => &KINDS[RELEASES..NEXT_DECISIONS],
+            Self::Inserting if keeps => &KINDS[RELEASES..NEXT_DECISIONS],
+            Self::Inserting => &KINDS[NEXT_KEYS..NEXT_DECISIONS],
             Self::Over => &KINDS[..NEXT_KEYS],
         }
     }

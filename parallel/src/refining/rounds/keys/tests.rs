@@ -68,7 +68,7 @@ fn run<'c>(
             }
             let first = nodes[0].source().exchange.number;
             let waits = |node: &RoundNode<'_, Correct>| {
-                node.source().stage == Stage::Counting && node.source().exchange.number == first
+                node.source().stage == Stage::Choosing && node.source().exchange.number == first
             };
             if compared < first && nodes.iter().all(waits) {
                 compared = first;

@@ -256,7 +256,7 @@ fn of_several_limits_for_one_item_the_smallest_holds() {
                 let news = DomainNews::Ask { item, limit, waiter: Some(waiter) };
                 source.hear(mesh, &directory, WorkerId::new(from), news);
             }
-            source.settle(&[0; SUMS], false);
+            source.settle(&[0; SUMS]);
             let kept = &source.demands.pending[&item.place()];
             assert_eq!(kept.limit, Some(all(0.25)), "{limits:?}, {is_pending}");
             let waiters = &source.demands.waiters[&item.place()];
