@@ -2,8 +2,8 @@
 //! excuses and its numbers; and letters as bytes.
 
 use ltbw::distributed;
-use ltbw::domain::{PrepareOptions, Prepared};
-use ltbw::mesh::LocalMesh;
+use ltbw::domain::{Domain, PrepareOptions, Prepared};
+use ltbw::mesh::{Layout, LocalMesh, Ownership, Redeal};
 use ltbw::protocol::WorkerId;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw::refining::{DomainMesh, Ending, RoundFigures, TeamRounds, Wishes, rounds_on_team};
@@ -109,13 +109,21 @@ struct Rounds {
     ending: Option<Ending>,
 }
 
-/// Refines on teams of 1, 2 and 3; the rounds of each.
-fn on_teams(name: &str, refiner: &Refiner<'_>, ready: &Prepared) -> Vec<Rounds> {
+/// Refines on a team with each of these numbers of members whose cuts move at these times: the
+/// engine's mesh. Returns the rounds of each.
+fn on_teams_of(
+    name: &str,
+    refiner: &Refiner<'_>,
+    ready: &Prepared,
+    teams: &[(u32, Redeal)],
+) -> Vec<Rounds> {
     let whole = (&ready.domain, &ready.lattice);
     let engine = refiner.refine(whole.0, whole.1).expect("a mesh");
-    let run = |members: u32| {
+    let run = |&(members, redeal): &(u32, Redeal)| {
+        let ownership = Ownership::Newest;
+        let layout = Layout { ownership, redeal, ..Layout::new(0, members) };
         let ends = on_team(members, |team| {
-            let (token, parallel) = (CancelToken::new(), Parallel::new(members));
+            let (token, parallel) = (CancelToken::new(), Parallel::new(members).layout(layout));
             let threads = (&parallel.cancel(&token), &token);
             rounds_on_team(refiner, whole, threads, team, Wishes::default())
         });
@@ -123,13 +131,18 @@ fn on_teams(name: &str, refiner: &Refiner<'_>, ready: &Prepared) -> Vec<Rounds> 
         let first = ends.next().and_then(TeamRounds::into_whole).expect("the first one's mesh");
         let is_elsewhere = |end| matches!(end, TeamRounds::Elsewhere);
         assert!(ends.all(is_elsewhere), "{name}: one member has the mesh");
-        same(&format!("{name} on {members} members"), &first.refined, &engine);
+        same(&format!("{name} on {members} members, {redeal:?}"), &first.refined, &engine);
         if let Ok(ending) = first.ending {
             assert_eq!(first.workers.len(), members as usize, "{name}: {ending:?}");
         }
         Rounds { figures: first.figures, ending: first.ending.ok() }
     };
-    [1, 2, 3].map(run).into()
+    teams.iter().map(run).collect()
+}
+
+/// Refines on teams of 1, 2 and 3; the rounds of each.
+fn on_teams(name: &str, refiner: &Refiner<'_>, ready: &Prepared) -> Vec<Rounds> {
+    on_teams_of(name, refiner, ready, &[1, 2, 3].map(|members| (members, Redeal::Never)))
 }
 
 #[test]
@@ -157,6 +170,36 @@ fn a_surface_with_patches_on_teams_has_the_engines_mesh() {
     for rounds in on_teams("a torus", &refiner, &ready) {
         assert_eq!(rounds.ending, Some(Ending::Done));
         assert!(rounds.figures.points > 0, "members have refined nothing");
+    }
+}
+
+/// Cuts between the members' parts move as often as they are told to, and tetrahedra with them:
+/// also where there are patches, and circles.
+#[test]
+fn cuts_move_between_rounds_of_teams() {
+    let ready = |domain: Domain, oriented| {
+        let options = PrepareOptions { oriented, ..PrepareOptions::default() };
+        domain.prepare(&options).expect("a sound domain")
+    };
+    let cube = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
+    let torus = surfaces::single(surfaces::torus(10));
+    let plates = stack([3.0, 2.0], &[42.0 / 64.0, 6.0 / 64.0, 4.0 / 64.0], false);
+    let usual = Refiner::new();
+    let cases = [
+        ("a cube", ready(cube, false), usual.max_volume(3e-4).start(64)),
+        ("a torus", ready(torus, true), usual.flat_tolerance(5e-7).max_volume(1e-3).start(64)),
+        ("plates", ready(plates, false), usual.max_volume(6.0 * 52.0 / 64.0 / 5000.0).start(0)),
+    ];
+    let teams = [(1, 1), (2, 1), (3, 4), (5, 1)];
+    for (name, ready, refiner) in cases {
+        let often = teams.map(|(members, every)| (members, Redeal::Every(every)));
+        for (own, (members, every)) in on_teams_of(name, &refiner, &ready, &often).iter().zip(teams)
+        {
+            let (figures, redeals) = (own.figures, own.figures.rounds[0] / every);
+            assert_eq!(figures.redeals > 0 && figures.moved > 0, members > 1, "{name} {figures:?}");
+            assert!(figures.redeals <= redeals, "{name}: {figures:?}");
+            assert!(members == 1 || 2 * figures.redeals > redeals, "{name}: {figures:?}");
+        }
     }
 }
 
