@@ -26,6 +26,7 @@ crate::ids! {
 zeroable!(VertexId { 0: number });
 
 /// A face seen from one of its tetrahedra, as the slot of the vertex opposite: in four bytes.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct FaceId(u32);
@@ -56,6 +57,7 @@ const MARK: u32 = 1 << 31;
 pub const MAX_TETS: usize = (1 << 30) - 1;
 
 /// One tetrahedron: vertices, and the faces of its neighbours opposite each vertex.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(32))]
 pub struct Tet {

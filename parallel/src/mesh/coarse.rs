@@ -5,9 +5,10 @@ use super::name::NO_PLACE;
 use super::{Blocks, LocalMesh, Place, WireVertex};
 use crate::protocol::{BlockId, Handle, Name, WorkerId};
 use ltbw_core::topology::{FaceId, INFINITE, Tet, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{BuildError, Builder, Duplicate, Mesh, PredicateStats};
+use ltbw_core::{BuildError, Builder, Duplicate, PredicateStats};
 use ltbw_exact::{Point, PointSet};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// The creator in the names of the coarse mesh: no worker has this number.
@@ -43,11 +44,18 @@ impl Sample {
     }
 }
 
-/// The coarse mesh: vertices are numbered by the sample.
+/// The coarse mesh.
 #[derive(Debug)]
-pub(super) struct Coarse {
-    mesh: Mesh,
+pub(super) struct Coarse<'a> {
+    /// By slot.
+    tets: Cow<'a, [Tet]>,
+    /// By vertex: its number in the sample. The first one is the vertex at infinity.
+    numbers: Vec<u32>,
     sample: Sample,
+    /// Points of the sample that equal another one: vertex numbers of both.
+    pub(super) duplicates: Vec<(VertexId, VertexId)>,
+    /// Predicate calls that it took.
+    pub(super) predicates: PredicateStats,
 }
 
 /// A tetrahedron of the coarse mesh, where it has gone.
@@ -59,26 +67,44 @@ struct Gone {
     local: TetId,
 }
 
-impl Coarse {
+impl<'a> Coarse<'a> {
     /// The mesh of a sample.
     pub(super) fn of(sample: Sample) -> Result<Self, BuildError> {
         // Kernel coordinates are finite, and no more than the input's.
         let distinct = sample.len();
         let set = PointSet::new(sample.points.clone());
         let set = set.map_err(|_| BuildError::TooFewPoints { distinct })?;
-        Ok(Self { mesh: Builder::new().build(&set)?.mesh, sample })
+        let mesh = Builder::new().build(&set)?.mesh;
+        let slots = TetId::below(mesh.topology().slots() as u32);
+        let vertex = |k: u32| VertexId::new(sample.places[k as usize]);
+        let pair = |&Duplicate { number, kept }: &Duplicate| (vertex(number), vertex(kept));
+        Ok(Self {
+            tets: slots.map(|t| *mesh.topology().at(t)).collect(),
+            numbers: mesh.numbers().to_vec(),
+            duplicates: mesh.duplicates().iter().map(pair).collect(),
+            predicates: mesh.predicate_stats(),
+            sample,
+        })
     }
 
-    /// Predicate calls that it took.
-    pub(super) fn predicates(&self) -> PredicateStats {
-        self.mesh.predicate_stats()
+    /// A mesh that is there, of all points; `order` says which they are, along the curve.
+    pub(super) fn given(tets: &'a [Tet], order: &[u32], points: &[Point]) -> Self {
+        let mut numbers = vec![0; order.len() + 1];
+        (0..).zip(order).for_each(|(number, &k)| numbers[k as usize + 1] = number);
+        let sample =
+            Sample { places: (1..=order.len() as Place).collect(), points: points.to_vec() };
+        let (duplicates, predicates) = (Vec::new(), PredicateStats::default());
+        Self { tets: Cow::Borrowed(tets), numbers, sample, duplicates, predicates }
     }
 
-    /// Points of the sample that equal another one: vertex numbers of both.
-    pub(super) fn duplicates(&self) -> impl Iterator<Item = (VertexId, VertexId)> + '_ {
-        let vertex = |k: u32| VertexId::new(self.sample.places[k as usize]);
-        let all = self.mesh.duplicates().iter();
-        all.map(move |&Duplicate { number, kept }| (vertex(number), vertex(kept)))
+    /// Number of points, duplicates included.
+    pub(super) fn points(&self) -> usize {
+        self.sample.len()
+    }
+
+    /// The number of a vertex in the sample; none of the one at infinity.
+    fn number(&self, v: VertexId) -> Option<usize> {
+        (v != INFINITE).then(|| self.numbers[v.index()] as usize)
     }
 
     /// The places of the sample in a range.
@@ -96,15 +122,14 @@ impl Coarse {
         end: Place,
         owner_of: impl Fn(Place) -> WorkerId,
     ) -> Vec<Range<Place>> {
-        let Self { mesh, sample: Sample { places, .. } } = self;
-        let owner = |k: u32| owner_of(places[k as usize]);
+        let Self { tets, sample: Sample { places, .. }, .. } = self;
         let mut at_interface = vec![false; places.len()];
-        for (_, tet) in mesh.topology().iter() {
-            let numbers = tet.vertices().map(|v| mesh.number(v));
-            let mut owners = numbers.iter().flatten().map(|&k| owner(k));
+        for tet in tets.iter().filter(|tet| !tet.is_free()) {
+            let numbers = tet.vertices().map(|v| self.number(v));
+            let mut owners = numbers.iter().flatten().map(|&k| owner_of(places[k]));
             let first = owners.next();
             if owners.any(|other| Some(other) != first) {
-                numbers.iter().flatten().for_each(|&k| at_interface[k as usize] = true);
+                numbers.iter().flatten().for_each(|&k| at_interface[k] = true);
             }
         }
         // A vertex stands for those that are nearer to it on the curve than to others.
@@ -125,26 +150,25 @@ impl Coarse {
     }
 
     /// Gives every tetrahedron to the owner of its block; `workers` are all of them, or one alone
-    /// if nobody else is here.
+    /// if nobody else is here. Returns the slots here of those that each has got, by slot there.
     pub(super) fn distribute(
         &self,
         blocks: &Blocks,
         owners: &[WorkerId],
         workers: &mut [LocalMesh],
-    ) {
-        let Self { mesh: whole, sample: Sample { places, points } } = self;
-        let topology = whole.topology();
-        let corner = |v: VertexId| match whole.number(v).map(|k| k as usize) {
+    ) -> Vec<Vec<TetId>> {
+        let Self { tets: whole, sample: Sample { places, points }, .. } = self;
+        let corner = |v: VertexId| match self.number(v) {
             Some(k) => WireVertex::new(places[k], points[k]),
             None => WireVertex::new(NO_PLACE, Point::default()),
         };
-        let place = |v: VertexId| whole.number(v).map_or(NO_PLACE, |k| places[k as usize]);
-        let vertices = |t: TetId| topology.get(t).map(Tet::vertices);
-        let tets: Vec<TetId> = topology.iter().map(|(t, _)| t).collect();
+        let place = |v: VertexId| self.number(v).map_or(NO_PLACE, |k| places[k]);
+        let vertices = |t: TetId| whole[t.index()].vertices();
+        let slots = TetId::below(whole.len() as u32);
+        let tets: Vec<TetId> = slots.filter(|t| !whole[t.index()].is_free()).collect();
         // By coarse tetrahedron.
-        let mut gone = vec![Gone::default(); topology.slots()];
-        let block_of =
-            |&t: &TetId| vertices(t).map_or(BlockId::default(), |v| blocks.of_tet(v.map(place)));
+        let mut gone = vec![Gone::default(); whole.len()];
+        let block_of = |&t: &TetId| blocks.of_tet(vertices(t).map(place));
         let block_of_each: Vec<BlockId> = tets.par_iter().map(block_of).collect();
         let first = workers.first().map_or(0, |mesh| mesh.me.index());
         let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
@@ -157,8 +181,8 @@ impl Coarse {
         }
         let create = |(mesh, tets): (&mut LocalMesh, &Vec<TetId>)| {
             let mut made = Vec::with_capacity(tets.len());
-            for v in tets.iter().filter_map(|&t| vertices(t)) {
-                let v = v.map(|v| match v {
+            for &t in tets {
+                let v = vertices(t).map(|v| match v {
                     INFINITE => INFINITE,
                     v => mesh.take_vertex(&corner(v)),
                 });
@@ -167,6 +191,7 @@ impl Coarse {
                     mesh.fail_for_room();
                     break;
                 };
+                debug_assert_eq!(local.index(), made.len());
                 made.push(local);
             }
             made.resize(tets.len(), TetId::default());
@@ -179,20 +204,20 @@ impl Coarse {
         let sound = workers.par_iter_mut().zip(&theirs).filter(|(mesh, _)| mesh.error.is_none());
         sound.for_each(|(mesh, tets)| {
             for &t in tets {
-                link(mesh, whole, t, &gone);
+                link(mesh, t, &whole[t.index()], &gone);
             }
             let (first, end) = (VertexId::new(1), mesh.vertices.after_run());
             mesh.tets.set_own_range(first..end);
         });
+        theirs
     }
 }
 
-/// Links the faces of coarse tetrahedron `t`, which `mesh` has got.
-fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, gone: &[Gone]) {
+/// Links the faces of a coarse tetrahedron, which `mesh` has got.
+fn link(mesh: &mut LocalMesh, t: TetId, tet: &Tet, gone: &[Gone]) {
     let Gone { block, owner, local } = gone[t.index()];
     debug_assert!(mesh.fixed.is_some() || block == mesh.block_of(local));
-    let faces = coarse.topology().get(t).map(Tet::neighbours).unwrap_or_default();
-    for (slot, face) in faces.into_iter().enumerate() {
+    for (slot, face) in tet.neighbours().into_iter().enumerate() {
         let (u, there) = (tet_of(face), slot_of(face));
         let other = gone[u.index()];
         if other.owner == owner {

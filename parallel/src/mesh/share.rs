@@ -204,8 +204,9 @@ mod tests {
 
     fn start() -> (PointSet, Prepared) {
         let set = PointSet::new(generate(PointKind::Uniform, 400, 3)).unwrap();
-        let layout = Layout { ownership: Ownership::Newest, ..Layout::new(set.len(), 3) };
-        let prepared = layout.prepare_all(&set, None).unwrap();
+        let (ownership, sample) = (Ownership::Newest, set.len());
+        let layout = Layout { ownership, sample, ..Layout::new(set.len(), 3) };
+        let prepared = layout.distribute(&set).unwrap();
         (set, prepared)
     }
 

@@ -9,7 +9,7 @@ use crate::protocol::{BlockId, Directory, WorkerId};
 use ltbw_core::build::independent;
 use ltbw_core::order::{Curve, hilbert};
 use ltbw_core::submesh::MeshParams;
-use ltbw_core::topology::{MAX_TETS, VertexId};
+use ltbw_core::topology::{MAX_TETS, Tet, TetId, VertexId};
 use ltbw_core::{BuildError, CancelToken, PredicateStats, Vertex};
 use ltbw_exact::{Mode, Point, PointSet};
 use rayon::prelude::*;
@@ -147,24 +147,14 @@ impl Layout {
         self.prepare(set, &Wanted::default())
     }
 
-    /// As [`Layout::distribute`], with all points in the mesh that is distributed; if there is
-    /// a cut, blocks are of about equal weight.
-    pub(crate) fn prepare_all(
-        &self,
-        set: &PointSet,
-        cut: Option<Cut<'_>>,
-    ) -> Result<Prepared, BuildError> {
-        let whole = Self { sample: set.len(), ..*self };
-        whole.prepare(set, &Wanted { cut, ..Wanted::default() })
-    }
-
     /// As [`Layout::distribute`], of what is wanted.
     pub(crate) fn prepare(
         &self,
         set: &PointSet,
         wanted: &Wanted<'_>,
     ) -> Result<Prepared, BuildError> {
-        let Wanted { only, cut, cancel } = *wanted;
+        let Wanted { only, given, cancel } = *wanted;
+        let cut = given.and_then(|given| given.cut);
         let kernel = set.kernel_points();
         let order = match only {
             None => cut.map_or_else(|| hilbert(&kernel), |cut| cut.curve.order(&kernel)),
@@ -179,8 +169,6 @@ impl Layout {
         // With room for the vertex at infinity, which the gathered mesh has in front.
         let mut points: Vec<Point> = Vec::with_capacity(order.len() + 1);
         points.par_extend(order.par_iter().map(|&i| kernel[i as usize]));
-        let sample = self.sample_of(&points)?;
-        let started = sample.len();
         let params = MeshParams::of(&points, set.mode()).at_most(self.max_tets);
         let (low, high) = params.bounds();
         let count = self.workers * self.blocks_per_worker;
@@ -192,15 +180,19 @@ impl Layout {
             Some(Cut { curve, weights }) => Blocks::weighted(curve, &points, weights, count),
         };
         // The one is sequential, the other mostly waits for memory.
-        let (coarse, meshes) =
-            rayon::join(|| Coarse::of(sample), || self.submeshes(&params, &blocks, &points));
+        let coarse = || match given {
+            None => Coarse::of(self.sample_of(&points)?),
+            Some(Given { tets, .. }) => Ok(Coarse::given(tets, &order, &points)),
+        };
+        let (coarse, meshes) = rayon::join(coarse, || self.submeshes(&params, &blocks, &points));
         let coarse = coarse?;
-        let workers = self.begin(&coarse, &blocks, meshes);
-        let duplicates = coarse.duplicates().collect();
-        let (mode, predicates) = (set.mode(), coarse.predicates());
+        let started = coarse.points();
+        let Begun { workers, slots } = self.begin(&coarse, &blocks, meshes);
+        let Coarse { duplicates, predicates, .. } = coarse;
+        let mode = set.mode();
         let (numbers, next) = (order, set.len() as Vertex);
         let common = SharedInput { points, numbers, next, duplicates, mode, predicates };
-        Ok(Prepared { workers, common, started })
+        Ok(Prepared { workers, common, started, slots })
     }
 
     /// The part of a start that is one worker's, whose others are elsewhere, and the predicate
@@ -221,14 +213,14 @@ impl Layout {
             || self.submesh(me, &params, &blocks, Room { points, most: points.len() }),
         );
         let coarse = coarse?;
-        Ok((self.begin(&coarse, &blocks, vec![mesh]), coarse.predicates()))
+        Ok((self.begin(&coarse, &blocks, vec![mesh]).workers, coarse.predicates))
     }
 
     /// Gives submeshes the tetrahedra of the coarse mesh, and the points that they are to insert.
-    fn begin(&self, coarse: &Coarse, blocks: &Blocks, mut meshes: Vec<LocalMesh>) -> Vec<Ready> {
+    fn begin(&self, coarse: &Coarse<'_>, blocks: &Blocks, mut meshes: Vec<LocalMesh>) -> Begun {
         let owners: Vec<WorkerId> =
             BlockId::below(blocks.len() as u32).map(|block| self.owner_of(block)).collect();
-        coarse.distribute(blocks, &owners, &mut meshes);
+        let slots = coarse.distribute(blocks, &owners, &mut meshes);
         let interface = match self.max_in_flight {
             0 => Vec::new(),
             _ => coarse.interface(blocks.end(), |place| owners[blocks.of_vertex(place).index()]),
@@ -241,7 +233,7 @@ impl Layout {
                 .interface(interface.iter().cloned(), self.max_in_flight);
             (Directory::new(me, &owners), mesh, field)
         };
-        meshes.into_par_iter().map(ready).collect()
+        Begun { workers: meshes.into_par_iter().map(ready).collect(), slots }
     }
 
     /// The sample: evenly along the curve, with four affinely independent points among them.
@@ -313,13 +305,28 @@ pub(crate) struct Cut<'a> {
     pub(crate) weights: &'a [Weight],
 }
 
+/// A mesh of all points that is there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Given<'a> {
+    /// By slot; vertex v is point v - 1.
+    pub(crate) tets: &'a [Tet],
+    /// The cut into blocks, if not by numbers of points.
+    pub(crate) cut: Option<Cut<'a>>,
+}
+
+/// Workers with their parts, and the slots in the coarse mesh of their tetrahedra.
+struct Begun {
+    workers: Vec<Ready>,
+    slots: Vec<Vec<TetId>>,
+}
+
 /// The part of a start that is wanted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Wanted<'a> {
     /// The points, by index, or all.
     pub(crate) only: Option<&'a [u32]>,
-    /// The cut into blocks, if not by numbers of points.
-    pub(crate) cut: Option<Cut<'a>>,
+    /// The coarse mesh, if it is not to be made.
+    pub(crate) given: Option<Given<'a>>,
     /// May end it early.
     pub(crate) cancel: Option<&'a CancelToken>,
 }
@@ -358,6 +365,8 @@ pub struct Prepared {
     pub common: SharedInput,
     /// Points of the coarse mesh, its duplicates included.
     pub started: usize,
+    /// By worker and slot, the slots in the coarse mesh of its tetrahedra.
+    pub(crate) slots: Vec<Vec<TetId>>,
 }
 
 /// Data that no worker has: the whole set of points.

@@ -289,7 +289,7 @@ impl<'a> Parallel<'a> {
         self.listener.tell(Phase::Order, 0, total);
         let layout = Layout { reserve: true, ..layout };
         let prepared = layout.prepare(set, &self.wanted())?;
-        let Prepared { workers, common, started } = prepared;
+        let Prepared { workers, common, started, .. } = prepared;
         let config = self.config();
         let nodes: Vec<Node> = workers
             .into_iter()

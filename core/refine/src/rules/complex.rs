@@ -18,7 +18,7 @@ use crate::rules::choice::{BoundaryItem, Corner};
 use crate::rules::group::Group;
 use ltbw_core::Random;
 use ltbw_core::mesh::Mesh;
-use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::topology::{Tet, TetId, VertexId, tet_of};
 use ltbw_exact::{Mode, Point};
 use std::sync::Arc;
 
@@ -35,19 +35,21 @@ pub enum ComplexError {
     Unsupported(&'static str),
 }
 
-/// A mesh to start with, all subsegments and subfaces in it. Vertices are numbered from 0.
+/// A mesh to start with, all subsegments and subfaces in it.
 #[doc(hidden)]
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Start {
     /// The coordinates of a vertex of the mesh, as [`Mode::from_kernel`] makes them of those here.
     pub mode: Mode,
-    /// The vertices.
+    /// The vertices, by number less 1.
     pub points: Vec<Point>,
     /// Where they live.
     pub carriers: Vec<Carrier>,
-    /// The finite tetrahedra, exterior included: vertices, ascending, and region.
-    pub tets: Vec<([u32; 4], u32)>,
+    /// All slots of the mesh, free ones, exterior and hull included.
+    pub tets: Vec<Tet>,
+    /// The regions of finite tetrahedra, by slot.
+    pub labels: Vec<u32>,
     /// The regions, the exterior first.
     pub regions: Vec<RegionInfo>,
     /// The most points to insert.
@@ -93,17 +95,40 @@ impl Start {
         self.carriers.iter().filter(is_made).count() as u64
     }
 
+    /// Does it fit together? One that comes from elsewhere may not.
+    pub fn fits(&self) -> bool {
+        let (slots, vertices) = (self.tets.len(), self.points.len());
+        let fits = |tet: &Tet| {
+            let [a, b, c, d] = tet.vertices().map(VertexId::index);
+            let are_finite = [a, b, c].iter().all(|v| (1..=vertices).contains(v));
+            let are_there = tet.neighbours().iter().all(|&face| tet_of(face).index() < slots);
+            tet.is_free() || are_finite && d <= vertices && are_there
+        };
+        self.labels.len() == slots && self.carriers.len() == vertices && self.tets.iter().all(fits)
+    }
+
+    /// The finite tetrahedra, exterior included: the vertices, from 0 on and ascending, and the
+    /// region.
+    pub fn finite(&self) -> impl Iterator<Item = ([u32; 4], u32)> + '_ {
+        let all = self.tets.iter().zip(&self.labels).filter(|(tet, _)| !tet.is_ghost());
+        all.map(|(tet, &region)| {
+            let mut v = tet.vertices().map(|v| v.number() - 1);
+            v.sort_unstable();
+            (v, region)
+        })
+    }
+
     /// About `places` places inside the domain, at least one in each tetrahedron, with the numbers
     /// of tetrahedra that there will be around them, as far as these can be told: for the balance
     /// of work.
     pub fn weights(&self, complex: &Complex<'_>, places: usize) -> Vec<(Point, u64)> {
         let mut random = Random::new(1);
         let mut weights = Vec::new();
-        let corners_of = |v: &[u32; 4]| v.map(|v| self.points[v as usize]);
-        let predict = |(v, region): &([u32; 4], u32)| complex.predicted(corners_of(v), *region);
-        let all: Vec<f64> = self.tets.iter().map(predict).collect();
+        let corners_of = |v: [u32; 4]| v.map(|v| self.points[v as usize]);
+        let predict = |(v, region)| complex.predicted(corners_of(v), region);
+        let all: Vec<f64> = self.finite().map(predict).collect();
         let part = (places as f64 / all.iter().sum::<f64>().max(1.0)).min(1.0);
-        for ((v, _), own) in self.tets.iter().zip(all) {
+        for ((v, _), own) in self.finite().zip(all) {
             let corners = corners_of(v);
             let count = (own * part).ceil().min(MOST);
             let weight = (own / count.max(1.0) * 256.0) as u64;
@@ -122,17 +147,14 @@ impl Start {
 
     pub(crate) fn of(state: &State, regions: Vec<RegionInfo>, most: u64) -> Self {
         let mesh = &state.mesh;
-        let tet = |t| {
-            let mut v = state.vertices(t).map(|v| v.number() - 1);
-            v.sort_unstable();
-            (v, state.marks.region(t))
-        };
+        let slots = || TetId::below(mesh.topology().slots() as u32);
         let all = (1..=mesh.num_vertices()).map(|v| mesh.kernel_point(VertexId::at(v)));
         Self {
             mode: mesh.mode(),
             points: all.collect(),
             carriers: state.carriers[1..].to_vec(),
-            tets: mesh.tet_ids().map(tet).collect(),
+            tets: slots().map(|t| *mesh.topology().at(t)).collect(),
+            labels: slots().map(|t| state.marks.region(t)).collect(),
             regions,
             // Points that the domain says count as made.
             most: most.saturating_add(state.plc.points.len() as u64),

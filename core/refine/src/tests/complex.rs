@@ -4,7 +4,7 @@ use super::ready;
 use crate::Refiner;
 use crate::mesh::marks::ENDS;
 use crate::mesh::state::FACE;
-use crate::rules::complex::Complex;
+use crate::rules::complex::{Complex, Start};
 use crate::table::{edge, triangle};
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_generate::{DomainKind, Shape};
@@ -47,5 +47,31 @@ fn carriers_tell_the_boundary() {
                 assert_eq!(complex.facet(corners), known, "{kind:?} {vertices}: {corners:?}");
             }
         }
+    }
+}
+
+/// A start has all slots of the mesh, with their regions; one of which something is cut off leads
+/// nowhere.
+#[test]
+fn a_start_fits_together_or_is_told_apart() {
+    let ready = ready(DomainKind::TwoMaterial, &Shape::default());
+    let refiner = Refiner::new().max_volume(1e-2);
+    let delegated = refiner.delegate(&ready.domain, &ready.lattice).expect("a mesh");
+    let (_, start) = delegated.complex().expect("all is there");
+    assert!(start.fits());
+    let regions: Vec<u32> = start.finite().map(|own| own.1).collect();
+    assert!([1, 2].iter().all(|region| regions.contains(region)));
+    assert!(start.finite().all(|(v, _)| v.is_sorted() && v[3] < start.points.len() as u32));
+    let spoils: [fn(&mut Start); 5] = [
+        |own| own.points.truncate(9),
+        |own| own.carriers.truncate(9),
+        |own| own.labels.truncate(9),
+        |own| (own.points.truncate(9), own.carriers.truncate(9)).0,
+        |own| (own.tets.truncate(9), own.labels.truncate(9)).0,
+    ];
+    for (k, spoil) in spoils.into_iter().enumerate() {
+        let mut spoilt = start.clone();
+        spoil(&mut spoilt);
+        assert!(!spoilt.fits(), "{k}");
     }
 }

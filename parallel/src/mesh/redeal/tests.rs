@@ -16,8 +16,8 @@ struct Meshes {
 }
 
 fn begin(set: &PointSet, ownership: Ownership) -> Meshes {
-    let layout = Layout { ownership, ..Layout::new(set.len(), WORKERS) };
-    let Prepared { workers, common, .. } = layout.prepare_all(set, None).expect("a mesh");
+    let layout = Layout { ownership, sample: set.len(), ..Layout::new(set.len(), WORKERS) };
+    let Prepared { workers, common, .. } = layout.distribute(set).expect("a mesh");
     let all = workers.into_iter().map(|(directory, mesh, _)| (directory, mesh)).collect();
     Meshes { all, common, each: layout.blocks_per_worker }
 }

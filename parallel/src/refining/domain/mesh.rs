@@ -51,19 +51,19 @@ pub struct DomainMesh<'c> {
 }
 
 impl<'c> DomainMesh<'c> {
-    /// A submesh whose vertices and tetrahedra, given by name, have these carriers and regions.
+    /// A submesh whose vertices, given by name, and tetrahedra have these carriers and regions.
     pub(crate) fn new(
         inner: LocalMesh,
         complex: Arc<Complex<'c>>,
         me: WorkerId,
         carrier: impl Fn(VertexName) -> Carrier,
-        region: impl Fn([VertexName; 4]) -> u32,
+        region: impl Fn(TetId) -> u32,
     ) -> Self {
         let numbers = 1..=inner.num_vertices();
         let carriers = Carriers::of(numbers.map(|v| carrier(inner.name(VertexId::at(v)))));
         let mut slots = Slots::default();
-        for (t, v) in inner.tets().tets().filter(|(_, v)| v[3] != INFINITE) {
-            slots.put(t, region(v.map(|v| inner.name(v))));
+        for (t, _) in inner.tets().tets().filter(|(_, v)| v[3] != INFINITE) {
+            slots.put(t, region(t));
         }
         Self {
             inner,

@@ -39,13 +39,13 @@ pub(super) use values::WallRegion;
 pub use values::{DomainCargo, DomainPatch, DomainPiece, DomainPoint};
 
 use super::RefineError;
-use crate::mesh::start::Cut;
-use crate::mesh::{Blocks, Layout, Prepared, SharedInput, VertexName, given};
+use crate::mesh::start::{Cut, Given};
+use crate::mesh::{Blocks, Layout, Prepared, SharedInput, VertexName, Wanted, given};
 use crate::protocol::{BlockId, Config, Rules, Source, Worker, WorkerId};
 use ltbw_core::order::{Curve, bounding_box};
+use ltbw_core::topology::TetId;
 use ltbw_exact::{Mode, Point, PointSet};
-use ltbw_refine::{Carrier, Complex, Start};
-use rustc_hash::FxHashMap;
+use ltbw_refine::{Carrier, Complex, ComplexError, Start};
 use std::sync::Arc;
 
 /// A worker that refines a domain without rounds.
@@ -71,7 +71,7 @@ fn curve_for(start: &Start, weights: &[(Point, u64)], layout: &Layout) -> Curve 
         let parts: Vec<BlockId> = start.points.iter().map(|p| blocks.of_point(p)).collect();
         let is_divided =
             |v: &[u32; 4]| v.iter().any(|&k| parts[k as usize] != parts[v[0] as usize]);
-        start.tets.iter().filter(|(v, _)| is_divided(v)).count()
+        start.finite().filter(|(v, _)| is_divided(v)).count()
     };
     let curves = [0.0, 1.0 / 1024.0, 1.0 / 16.0].map(|part| Curve::of_box(low, larger(part)));
     curves.into_iter().min_by_key(divided).unwrap_or(curves[0])
@@ -85,6 +85,9 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
     config: Config,
     source: impl Fn(WorkerId, &mut DomainMesh<'c>) -> Q,
 ) -> Result<Begun<'c, Q, C>, RefineError> {
+    if !start.fits() {
+        return Err(ComplexError::Unsupported("a start whose links lead nowhere").into());
+    }
     let set = PointSet::new(start.points.clone()).map_err(|_| RefineError::Range)?;
     // The coordinates at the start are those that the kernel computes with.
     if set.mode() != Mode::Normal {
@@ -95,20 +98,20 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
         .then(|| start.weights(&complex, PLACES.saturating_mul(layout.workers as usize)));
     let cut =
         weights.as_ref().map(|weights| Cut { curve: curve_for(start, weights, layout), weights });
-    let Prepared { workers, mut common, .. } = layout.prepare_all(&set, cut)?;
+    let wanted = Wanted { given: Some(Given { tets: &start.tets, cut }), ..Wanted::default() };
+    let prepared = layout.prepare(&set, &wanted)?;
+    let Prepared { workers, mut common, slots, .. } = prepared;
     common.mode = start.mode;
     let config = Config { workers: layout.workers, ..config };
     let complex = Arc::new(complex);
-    let regions: FxHashMap<[u32; 4], u32> = start.tets.iter().copied().collect();
     let number = |name: VertexName| given(name).map(|place| common.numbers[place as usize - 1]);
     let carrier = |name| number(name).map_or(Carrier::Free, |k| start.carriers[k as usize]);
-    let region = |names: [VertexName; 4]| {
-        let mut corners = names.map(|name| number(name).unwrap_or(u32::MAX));
-        corners.sort_unstable();
-        regions.get(&corners).copied().unwrap_or_default()
-    };
-    let workers = workers.into_iter().map(|(directory, mesh, _)| {
+    let workers = workers.into_iter().zip(slots).map(|((directory, mesh, _), slots)| {
         let (me, complex) = (directory.me(), Arc::clone(&complex));
+        let region = |t: TetId| {
+            let there = slots.get(t.index());
+            there.map_or(0, |there| start.labels[there.index()])
+        };
         let mut mesh = DomainMesh::new(mesh, complex, me, carrier, region);
         // The first one receives all others in the end.
         let parts = if me == WorkerId::default() { 1 } else { layout.workers };
