@@ -12,6 +12,9 @@
 //! Where messages take long that is not enough. The coarse mesh tells where the interface is: there
 //! cursors are short, and go first while fewer than a number of points are under way
 //! ([`PointQueue::interface`]).
+//!
+//! While its part of the mesh is small, few points of a worker can be under way without being in
+//! each other's way: so few are, then.
 
 mod cursor;
 
@@ -23,6 +26,9 @@ use std::ops::Range;
 
 /// Times this, numbers in a row lie far apart: 2^32 times the golden section.
 const SCATTER: u32 = 0x9E37_79B9;
+
+/// The number of points that may be under way however small the mesh is.
+const LEAST_UNDER_WAY: usize = 8;
 
 /// Points of one worker, on many cursors.
 #[derive(Clone, Debug)]
@@ -49,6 +55,8 @@ pub struct PointQueue {
     waiting: Vec<Cursor>,
     left: usize,
     given: usize,
+    /// Vertices of its range that were in the mesh before it gave one.
+    begun_with: usize,
 }
 
 impl PointQueue {
@@ -67,6 +75,7 @@ impl PointQueue {
                 left -= 1;
             }
         }
+        let begun_with = range.len() - left;
         Self {
             blocks,
             own,
@@ -81,6 +90,7 @@ impl PointQueue {
             waiting: Vec::new(),
             left,
             given: 0,
+            begun_with,
         }
     }
 
@@ -137,9 +147,10 @@ impl PointQueue {
     /// before a waiting point is followed from its middle on: the far half of a piece of the curve
     /// is far from the point that waits.
     fn choose(&mut self) -> bool {
-        let under_way =
-            self.waiting.len() + usize::from(!self.current.as_ref().is_none_or(Cursor::is_ready));
-        let interface_first = !self.interface.is_empty() && under_way < self.max_in_flight;
+        if self.is_full() {
+            return false;
+        }
+        let interface_first = !self.interface.is_empty() && self.under_way() < self.max_in_flight;
         let goes_on = |c: &Cursor| c.is_ready() && (c.is_interface || !interface_first);
         if self.resumed.is_empty() && self.current.as_ref().is_some_and(goes_on) {
             return true;
@@ -152,6 +163,18 @@ impl PointQueue {
             None => {}
         }
         true
+    }
+
+    /// Number of points that are under way.
+    fn under_way(&self) -> usize {
+        self.waiting.len() + usize::from(!self.current.as_ref().is_none_or(Cursor::is_ready))
+    }
+
+    /// Are as many points under way as may be, the square root of the number of vertices so far?
+    /// In proportion to these they would be too many: only at a surface do any wait.
+    fn is_full(&self) -> bool {
+        let (under_way, vertices) = (self.under_way(), self.begun_with + self.given);
+        under_way >= LEAST_UNDER_WAY && (under_way + 1).saturating_pow(2) > vertices
     }
 
     /// The cursor to follow next, not the current one.
@@ -221,6 +244,9 @@ impl PointQueue {
     /// Could a point be given?
     fn can_give(&self) -> bool {
         let Self { own, current, resumed, interface, ready, waiting, more, .. } = self;
+        if self.is_full() {
+            return false;
+        }
         current.as_ref().is_some_and(Cursor::is_ready)
             || !(resumed.is_empty() && interface.is_empty() && ready.is_empty())
             || waiting.iter().chain(current).any(|c| c.length(own) >= SHORTEST)

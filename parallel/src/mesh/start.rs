@@ -114,12 +114,14 @@ impl Layout {
     ///
     /// The sample is one point in a hundred, or 5,000 a worker if that is more, but at most one in
     /// ten: the smaller a worker's part, the more cavities are interface cavities. One worker alone
-    /// has no interface, and starts with a few.
+    /// has no interface, and starts with a few. The sample is inserted by one, for whom all others
+    /// wait: it is no more than 10,000, or a twentieth of one worker's points if that is more.
     pub fn new(points: usize, workers: u32) -> Self {
         let workers = workers.max(1);
         let most = (5000 * workers as usize).min(points / 10);
         // A single worker has nobody to share the coarse mesh with.
-        let sample = if workers == 1 { 60 } else { (points / 100).max(most).max(60) };
+        let alone = (points / (20 * workers as usize)).max(10_000);
+        let sample = if workers == 1 { 60 } else { (points / 100).max(most).min(alone).max(60) };
         let (blocks_per_worker, cursors) = (16, 32);
         Self {
             workers,
@@ -384,4 +386,18 @@ pub struct SharedInput {
     pub mode: Mode,
     /// Predicate calls of the coarse mesh.
     pub predicates: PredicateStats,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Layout;
+
+    #[test]
+    fn the_sample_is_little_work_beside_that_of_a_worker() {
+        let of = |points, workers| Layout::new(points, workers).sample;
+        assert_eq!([of(9, 1), of(1_000_000, 1), of(300, 2)], [60, 60, 60]);
+        assert_eq!([of(20_000, 4), of(100_000, 16), of(1_000_000, 2)], [2_000, 10_000, 10_000]);
+        assert_eq!([of(4_000_000, 8), of(4_000_000, 16)], [25_000, 12_500]);
+        assert_eq!([of(128 * 60_000, 128), of(128 * 600_000, 128)], [10_000, 30_000]);
+    }
 }

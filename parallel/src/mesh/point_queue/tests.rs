@@ -13,7 +13,33 @@ fn field(count: u32) -> (PointQueue, LocalMesh) {
     let params = MeshParams::of(&all, Mode::Normal);
     let mut mesh = LocalMesh::new(WorkerId::default(), &params, blocks.clone(), 1..count + 1);
     mesh.tets.set_points(VertexId::new(1), &all);
-    (PointQueue::new(blocks, 1..count + 1, [], 3), mesh)
+    let queue = PointQueue::new(blocks, 1..count + 1, [], 3);
+    // Of a part so large that any number of points may be under way.
+    (PointQueue { begun_with: 1 << 20, ..queue }, mesh)
+}
+
+#[test]
+fn few_points_are_under_way_while_the_part_is_small() {
+    let (field, mesh) = field(9000);
+    let mut field = PointQueue { begun_with: 100, ..field };
+    let first = field.next(&mesh).expect("a point");
+    let mut given = 1;
+    while field.next(&mesh).is_some() {
+        given += 1;
+    }
+    assert_eq!((given, field.is_ready(), field.left()), (10, false, 8990));
+    field.inserted(&mesh, &first);
+    assert!(field.is_ready() && field.next(&mesh).is_some() && !field.is_ready());
+    // Even in an empty part there are some.
+    let few = PointQueue::new(field.blocks.clone(), 1..9001, [], 3);
+    let given = std::iter::successors(Some(few), |queue| {
+        let mut queue = queue.clone();
+        queue.next(&mesh).map(|_| queue)
+    });
+    assert_eq!(given.count() - 1, LEAST_UNDER_WAY);
+    // Points that are in the mesh from the start count, too.
+    let started = PointQueue::new(field.blocks.clone(), 1..9001, 1..401, 3);
+    assert_eq!((started.begun_with, started.left()), (400, 8600));
 }
 
 #[test]
