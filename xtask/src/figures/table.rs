@@ -71,12 +71,10 @@ pub(crate) const FIGURES: &[Figures] = &[
         places: &[at("docs/protocol-variants.md", "The paper's variants")],
         commands: &[
             "ltbw simulate --processors 16 --points 960000 --latency 100us --balance",
-            "ltbw simulate --processors 16 --points 960000 --latency 100us --balance \
-             --ownership newest",
-            "ltbw simulate --processors 16 --points 960000 --latency 100us --balance \
-             --ownership creator",
+            "ltbw simulate --processors 16 --points 960000 --latency 100us --ownership newest",
+            "ltbw simulate --processors 16 --points 960000 --latency 100us --ownership creator",
             "ltbw simulate --processors 16 --points 960000 --latency 100us --balance --rule paper",
-            "ltbw simulate --processors 16 --points 960000 --latency 100us --balance --rule paper \
+            "ltbw simulate --processors 16 --points 960000 --latency 100us --rule paper \
              --closure vertex --ownership creator",
         ],
     },
