@@ -18,7 +18,7 @@ use crate::rules::choice::{BoundaryItem, Corner};
 use crate::rules::group::Group;
 use ltbw_core::Random;
 use ltbw_core::mesh::Mesh;
-use ltbw_core::topology::{Tet, TetId, VertexId, tet_of};
+use ltbw_core::topology::{FaceId, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::{Mode, Point};
 use std::sync::Arc;
 
@@ -98,13 +98,19 @@ impl Start {
     /// Does it fit together? One that comes from elsewhere may not.
     pub fn fits(&self) -> bool {
         let (slots, vertices) = (self.tets.len(), self.points.len());
-        let fits = |tet: &Tet| {
+        let fits = |(t, tet): (usize, &Tet)| {
             let [a, b, c, d] = tet.vertices().map(VertexId::index);
             let are_finite = [a, b, c].iter().all(|v| (1..=vertices).contains(v));
-            let are_there = tet.neighbours().iter().all(|&face| tet_of(face).index() < slots);
-            tet.is_free() || are_finite && d <= vertices && are_there
+            let leads_back = |(slot, &face): (usize, &FaceId)| {
+                let there = self.tets.get(tet_of(face).index()).filter(|there| !there.is_free());
+                let back = there.map(|there| there.neighbours()[slot_of(face)]);
+                back == Some(FaceId::new(TetId::at(t), slot))
+            };
+            let leads_somewhere = || tet.neighbours().iter().enumerate().all(leads_back);
+            tet.is_free() || are_finite && d <= vertices && leads_somewhere()
         };
-        self.labels.len() == slots && self.carriers.len() == vertices && self.tets.iter().all(fits)
+        let is_whole = self.labels.len() == slots && self.carriers.len() == vertices;
+        is_whole && slots <= MAX_TETS && self.tets.iter().enumerate().all(fits)
     }
 
     /// The finite tetrahedra, exterior included: the vertices, from 0 on and ascending, and the
