@@ -10,6 +10,7 @@ mod ownership;
 mod refining_angles;
 mod refining_circles;
 mod refining_domains;
+mod refining_freely;
 mod refining_given;
 mod refining_patches;
 mod refining_plates;

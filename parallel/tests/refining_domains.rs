@@ -129,19 +129,21 @@ impl Run {
     }
 }
 
-const PROBLEMS: [(DomainKind, f64); 4] = [
-    (DomainKind::CubeOctahedron, 1e-3),
-    (DomainKind::CubeInCube, 1e-3),
-    (DomainKind::Tee, 1e-3),
-    (DomainKind::Gear, 4e-4),
+/// Problems with a largest volume and the vertices at the start: before, items at the bore of the
+/// gear take each other out, which processors leave to the engine.
+const PROBLEMS: [(DomainKind, f64, usize); 4] = [
+    (DomainKind::CubeOctahedron, 1e-3, 0),
+    (DomainKind::CubeInCube, 1e-3, 0),
+    (DomainKind::Tee, 1e-3, 0),
+    (DomainKind::Gear, 2e-4, 1024),
 ];
 
 #[test]
 fn the_papers_problems_conform_on_any_number_of_processors() {
-    for (kind, volume) in PROBLEMS {
+    for (kind, volume, start) in PROBLEMS {
         let ready = prepared(kind);
         for processors in [1, 4, 16, 64] {
-            let run = Run { processors, ..Run::default() }.of(&ready, volume, 0);
+            let run = Run { processors, ..Run::default() }.of(&ready, volume, start);
             check(&format!("{kind:?} on {processors}"), &ready, volume, &run);
             let own = run.splits;
             assert!(own.inserted.iter().all(|&points| points > 50), "{kind:?}: {own:?}");
@@ -236,7 +238,7 @@ fn blocks_move_with_their_boundary() {
 /// The paper's rule for locks, under which operations have no age, and start again after a time.
 #[test]
 fn the_papers_rule_refines_domains_too() {
-    for (k, (kind, volume)) in PROBLEMS.into_iter().enumerate() {
+    for (k, (kind, volume, start)) in PROBLEMS.into_iter().enumerate() {
         let ready = prepared(kind);
         for processors in [2, 8, 24] {
             for latency in [1_000, 100_000] {
@@ -253,7 +255,7 @@ fn the_papers_rule_refines_domains_too() {
                 };
                 let network = Network { latency, ..Network::default() };
                 let options = Options { network, max_events: 20_000_000, ..Options::default() };
-                let refiner = Refiner::new().max_volume(volume).start(0);
+                let refiner = Refiner::new().max_volume(volume).start(start);
                 let domain = (&ready.domain, &ready.lattice);
                 let run = simulate_domain::<Correct>(&refiner, domain, layout, &options);
                 let run = run.expect("a run ends");
@@ -341,7 +343,7 @@ fn a_budget_ends_a_run() {
     let domain = (&ready.domain, &ready.lattice);
     let run = simulate_domain::<Correct>(&refiner, domain, layout, &Options::default());
     let run = run.expect("a run ends");
-    assert!(run.splits.refused[1] > 100, "{:?}", run.splits);
+    assert!(run.splits.refused[1] > 50, "{:?}", run.splits);
     assert_eq!(run.refined.outcome, RefineOutcome::Budget);
     assert!(run.refined.mesh().num_vertices() <= 200 + corners, "{:?}", run.splits);
     invariants::check_all(run.refined.mesh()).expect("a sound mesh");
@@ -350,11 +352,11 @@ fn a_budget_ends_a_run() {
 /// Threads in the place of simulated processors: nothing depends on who they are.
 #[test]
 fn threads_refine_domains_without_rounds() {
-    for (kind, volume) in PROBLEMS {
+    for (kind, volume, start) in PROBLEMS {
         let ready = prepared(kind);
         for workers in [1, 2, 5] {
             let name = format!("{kind:?} by {workers}");
-            let refiner = Refiner::new().max_volume(volume).start(0);
+            let refiner = Refiner::new().max_volume(volume).start(start);
             let domain = (&ready.domain, &ready.lattice);
             let run = domain_on_threads(&refiner, domain, &Parallel::new(workers));
             let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -109,8 +109,8 @@ pub fn simulate_domain<C: Rules>(
     layout: impl Fn(usize) -> (Layout, Config),
     options: &Options,
 ) -> Result<SimulatedDomain, RefineError> {
-    let mut delegated = refiner.delegate(domain, lattice)?;
-    let (complex, start) = delegated.complex_without_circles()?;
+    let delegated = refiner.delegate(domain, lattice)?;
+    let (complex, start) = delegated.complex()?;
     let run = |workers| {
         let run = simulate(workers, options).map_err(MeshError::from)?;
         let Simulation { workers, summary, events, .. } = run;
@@ -135,8 +135,8 @@ pub fn domain_on_threads(
 ) -> Result<ThreadedDomain, RefineError> {
     let config = parallel.config();
     let wanted = parallel.plan_for(0).workers as usize * START_EACH;
-    let mut delegated = refiner.delegate_to(domain, lattice, wanted)?;
-    let (complex, start) = match delegated.complex_without_circles() {
+    let delegated = refiner.delegate_to(domain, lattice, wanted)?;
+    let (complex, start) = match delegated.complex() {
         Ok(whole) => whole,
         Err(ComplexError::Refine(error)) => return Err(error.into()),
         Err(unfit) => {

@@ -308,6 +308,11 @@ impl<'a> Complex<'a> {
         shape.circumcentre(d).map(|centre| Group::of(&centre, shape.radius()))
     }
 
+    /// Is a facet a patch?
+    pub fn is_patch(&self, facet: u32) -> bool {
+        self.has_patches && self.plc.is_patch(facet)
+    }
+
     /// Has the domain patches? Then regions tell of the boundary.
     pub fn has_patches(&self) -> bool {
         self.has_patches

@@ -129,7 +129,8 @@ impl<'a> Refiner<'a> {
     }
 
     /// Refines up to where others can begin that want this many vertices, or to a quarter of what
-    /// there will be.
+    /// there will be as far as that can be told, but at least to where rounds begin: a mesh of
+    /// fewer vertices is the one that rounds have, and one of little more is near it.
     ///
     /// # Errors
     /// Those of [`Refiner::refine`].
@@ -150,11 +151,8 @@ impl<'a> Refiner<'a> {
         }
         let patched = run.refinement.state.plc.has_patches();
         let usual = if patched { START_WITH_PATCHES } else { START };
-        let start = match run.refinement.state.expected / TETS_PER_VERTEX {
-            _ if wanted == 0 => usual,
-            0 => usual.max(wanted),
-            vertices => usual.max(wanted).min(vertices / SHARE),
-        };
+        let vertices = run.refinement.state.expected / TETS_PER_VERTEX;
+        let start = usual.max(wanted.min(vertices / SHARE));
         run.refine(self.start.unwrap_or(start))?;
         let start_seconds = clock.elapsed().as_secs_f64();
         let (lattice, in_vain) = (*lattice, Set::default());
@@ -172,17 +170,6 @@ impl<'a> Delegated<'a> {
         let complex = self.run.complex()?;
         let start = Start::of(&self.run.refinement.state, self.regions.clone(), self.run.most);
         Ok((complex, start))
-    }
-
-    /// As [`Delegated::complex`], after those boundary items were split that wait for each other in
-    /// a circle: for others that cannot do that.
-    ///
-    /// # Errors
-    /// As of [`Delegated::complex`]; a run that stops while items are split, or a broken invariant.
-    pub fn complex_without_circles(&mut self) -> Result<(Complex<'a>, Start), ComplexError> {
-        self.check_fit()?;
-        self.run.part_circles()?;
-        self.complex()
     }
 
     fn check_fit(&self) -> Result<(), ComplexError> {

@@ -64,8 +64,10 @@ impl DomainMesh<'_> {
     ) -> (Vec<(WorkerId, DomainPatch)>, End) {
         let is_here = owner == self.me();
         // A point of the boundary asks again and again: two may wait for each other.
-        let waits = !is_here && point.carrier == Carrier::Free;
-        let first = Some(Asked { key, of, tet, waiter: waits.then_some(self.me()) });
+        let is_tet = point.carrier == Carrier::Free;
+        let waiter = (!is_here && is_tet).then_some(self.me());
+        let by = (!is_tet).then_some(point.item);
+        let first = Some(Asked { key, of, tet, waiter, by });
         (vec![(owner, DomainPatch { first, ..nothing() })], End::Behind(key, is_here))
     }
 

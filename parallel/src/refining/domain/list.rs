@@ -3,7 +3,10 @@
 
 use super::describe::is_beyond_help;
 use super::mesh::DomainMesh;
+use super::splits::Splits;
 use super::values::{Asked, DomainPoint, End, ItemKey};
+use super::waits::Waits;
+use super::way::Barrier;
 use crate::balance::{Balance, Workload};
 use crate::mesh::{VertexName, WireVertex, made};
 use crate::protocol::{BlockId, Directory, Item, Source, WorkerId};
@@ -20,6 +23,9 @@ const LOOKS: usize = 8;
 /// Times that something is set behind boundary items before it is given up. What is behind another
 /// worker's asks again at most once in the time that a message takes there and back.
 const TRIES: u16 = 5000;
+/// Times that a boundary item is found to wait for itself before it is given up: what is inserted
+/// meanwhile may part the circle.
+const CIRCLES: u16 = 8;
 /// The key of a tetrahedron.
 const TET: ItemKey = [0; 3];
 
@@ -106,28 +112,6 @@ impl Entry {
     }
 }
 
-/// The figures of one worker's refinement.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Splits {
-    /// Points inserted on segments, on facets, and inside.
-    pub inserted: [u64; 3],
-    /// Points that gave way to a boundary item.
-    pub deferred: u64,
-    /// Points that did not do what they were made for.
-    pub useless: u64,
-    /// Boundary items, and tetrahedra, that were given up.
-    pub refused: [u64; 2],
-}
-
-impl Splits {
-    pub(in super::super) fn add(&mut self, other: &Self) {
-        self.inserted.iter_mut().zip(other.inserted).for_each(|(sum, own)| *sum += own);
-        self.deferred += other.deferred;
-        self.useless += other.useless;
-        self.refused.iter_mut().zip(other.refused).for_each(|(sum, own)| *sum += own);
-    }
-}
-
 /// The list.
 #[derive(Debug)]
 pub struct BadItems {
@@ -139,6 +123,7 @@ pub struct BadItems {
     behind_far: FxHashMap<ItemKey, Vec<Entry>>,
     /// Workers that are to hear of the ends of boundary items of this list.
     waiters: FxHashMap<ItemKey, Vec<WorkerId>>,
+    waits: Waits,
     out: VecDeque<(WorkerId, DomainNews)>,
     /// The boundary items of this list, those under way included.
     pending: FxHashSet<ItemKey>,
@@ -160,6 +145,7 @@ impl BadItems {
             behind: FxHashMap::default(),
             behind_far: FxHashMap::default(),
             waiters: FxHashMap::default(),
+            waits: Waits::default(),
             out: VecDeque::new(),
             pending: FxHashSet::default(),
             under_way: FxHashMap::default(),
@@ -213,6 +199,7 @@ impl BadItems {
     fn end(&mut self, entry: &Entry) {
         if !entry.is_tet() {
             self.pending.remove(&entry.key);
+            self.waits.end(&entry.key);
             self.waiting.extend(self.behind.remove(&entry.key).into_iter().flatten());
             let waiters = self.waiters.remove(&entry.key).into_iter().flatten();
             self.out.extend(waiters.map(|to| (to, DomainNews::Ended(entry.key))));
@@ -224,6 +211,13 @@ impl BadItems {
     fn set_behind(&mut self, mesh: &DomainMesh<'_>, mut entry: Entry, key: ItemKey, is_here: bool) {
         self.splits.deferred += 1;
         entry.tries.0 += 1;
+        if !entry.is_tet() {
+            self.waits.set(entry.key, key);
+            // One that waits for an item of this list is set back where nothing else is left.
+            if !is_here && self.waits.is_circle(&entry.key) {
+                entry.tries.0 += TRIES / CIRCLES;
+            }
+        }
         if self.is_closed {
             self.end(&entry);
         } else if entry.tries.0 > TRIES {
@@ -239,7 +233,25 @@ impl BadItems {
 
     /// Enters the boundary item that the last patch has brought.
     fn enter_asked(&mut self, mesh: &DomainMesh<'_>) {
-        let Some(Asked { key, of, tet, waiter }) = mesh.take_asked() else { return };
+        if let Some(asked) = mesh.take_asked() {
+            self.ask(mesh, asked);
+        }
+    }
+
+    /// A tetrahedron goes behind the subface that bars the way to its point, or is given up if
+    /// that is not to be split here.
+    fn bar(&mut self, mesh: &DomainMesh<'_>, entry: Entry, Barrier { key, of, tet }: Barrier) {
+        if mesh.is_refused(&key) || mesh.complex.is_patch(of) {
+            self.refuse(mesh, &entry);
+            return;
+        }
+        self.ask(mesh, Asked { key, of, tet, waiter: None, by: None });
+        self.set_behind(mesh, entry, key, true);
+    }
+
+    /// Enters a boundary item that is asked for.
+    fn ask(&mut self, mesh: &DomainMesh<'_>, asked: Asked) {
+        let Asked { key, of, tet, waiter, by } = asked;
         let tets = mesh.inner.tets();
         if !tets.is_live(tet) || self.is_closed {
             // It may be split already: the waiter finds out.
@@ -251,6 +263,9 @@ impl BadItems {
             if !waiters.contains(&waiter) {
                 waiters.push(waiter);
             }
+        }
+        if let Some(by) = by.filter(|by| !self.pending.contains(by)) {
+            self.waits.set_far(by, key);
         }
         if !self.pending.insert(key) {
             return;
@@ -270,7 +285,11 @@ impl BadItems {
 
     /// All that wait for each other: nothing else is left.
     fn release(&mut self) {
-        self.waiting.extend(self.behind.drain().flat_map(|(_, entries)| entries));
+        let mut all: Vec<Entry> = self.behind.drain().flat_map(|(_, entries)| entries).collect();
+        for entry in all.iter_mut().filter(|entry| self.waits.is_circle(&entry.key)) {
+            entry.tries.0 += TRIES / CIRCLES;
+        }
+        self.waiting.extend(all);
     }
 }
 
@@ -293,30 +312,30 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
                 self.refuse(mesh, &entry);
                 continue;
             }
-            if mesh.inner.tets().holder(entry.tet).is_some() && locked.len() < LOOKS {
-                locked.push(entry);
+            let Some(proposed) = Self::propose(mesh, &entry) else {
+                match entry.attempt {
+                    0 => self.waiting.push(Entry { attempt: 1, ..entry }),
+                    _ => self.refuse(mesh, &entry),
+                }
+                continue;
+            };
+            let barrier = || mesh.barrier_before(entry.tet, proposed.p, proposed.may);
+            if let Some(barrier) = entry.is_tet().then(barrier).flatten() {
+                self.bar(mesh, entry, barrier);
                 continue;
             }
-            match Self::propose(mesh, &entry) {
-                Some(proposed) => {
-                    chosen = Some((entry, proposed));
-                    break;
-                }
-                None if entry.attempt == 0 => self.waiting.push(Entry { attempt: 1, ..entry }),
-                None => self.refuse(mesh, &entry),
+            if mesh.inner.tets().holder(entry.tet).is_some() && locked.len() < LOOKS {
+                locked.push((entry, proposed));
+                continue;
             }
+            chosen = Some((entry, proposed));
+            break;
         }
         // All are locked: the first one waits, for whatever is left of it.
         if chosen.is_none() && !locked.is_empty() {
-            let entry = locked.remove(0);
-            chosen = Self::propose(mesh, &entry).map(|proposed| (entry, proposed));
-            match chosen {
-                Some(_) => {}
-                None if entry.attempt == 0 => self.waiting.push(Entry { attempt: 1, ..entry }),
-                None => self.refuse(mesh, &entry),
-            }
+            chosen = Some(locked.remove(0));
         }
-        self.waiting.extend(locked);
+        self.waiting.extend(locked.into_iter().map(|own| own.0));
         let (entry, Proposed { p, carrier, may }) = chosen?;
         self.made += 1;
         let name = made(self.me, self.made);
@@ -431,6 +450,7 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
         self.behind.clear();
         self.behind_far.clear();
         self.pending.clear();
+        self.waits.clear();
         for (key, waiters) in self.waiters.drain() {
             self.out.extend(waiters.into_iter().map(|to| (to, DomainNews::Ended(key))));
         }

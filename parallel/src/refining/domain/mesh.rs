@@ -31,6 +31,8 @@ pub struct DomainMesh<'c> {
     pub(crate) complex: Arc<Complex<'c>>,
     /// Work done outside the inner submesh.
     extra: Costs,
+    /// Steps on straight ways.
+    way_steps: Cell<u64>,
     me: WorkerId,
     carriers: Carriers,
     slots: Slots,
@@ -69,6 +71,7 @@ impl<'c> DomainMesh<'c> {
             inner,
             complex,
             extra: Costs::default(),
+            way_steps: Cell::default(),
             me,
             carriers,
             slots,
@@ -190,6 +193,11 @@ impl<'c> DomainMesh<'c> {
         self.extra.walk_steps += steps;
     }
 
+    /// Counts steps on a straight way.
+    pub(super) fn count_way(&self, steps: u64) {
+        self.way_steps.set(self.way_steps.get() + steps);
+    }
+
     /// Counts tetrahedra that were looked at for their bounds.
     pub(crate) fn count_looks(&mut self, looks: u64) {
         self.extra.looks += looks;
@@ -207,6 +215,11 @@ impl<'c> DomainMesh<'c> {
     /// Notes that a boundary item cannot be split.
     pub(super) fn refuse(&self, key: ItemKey) {
         self.refused.borrow_mut().insert(key);
+    }
+
+    /// Was a boundary item found that it cannot be split?
+    pub(super) fn is_refused(&self, key: &ItemKey) -> bool {
+        self.refused.borrow().contains(key)
     }
 }
 
@@ -422,6 +435,7 @@ impl Submesh for DomainMesh<'_> {
 
     fn take_costs(&mut self) -> Costs {
         let Costs { walk_steps, looks, .. } = std::mem::take(&mut self.extra);
+        let walk_steps = walk_steps + self.way_steps.take();
         let inner = self.inner.take_costs();
         Costs { walk_steps: inner.walk_steps + walk_steps, looks: inner.looks + looks, ..inner }
     }

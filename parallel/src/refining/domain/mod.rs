@@ -11,10 +11,13 @@
 //! nearest), in the list of the owner of a tetrahedron at it, and the other is asked again
 //! afterwards. So everything that was in the mesh at the start stays in it, at any time.
 //!
+//! A tetrahedron looks first whether a subface bars the straight way to its point (`way`), as in
+//! rounds: then that goes first, and nothing is locked.
+//!
 //! An item that waits for one of the same worker is asked again when that is done. A tetrahedron
 //! that waits for another worker's item hears from it when that has ended; a boundary item begins
 //! again at once, and goes to that worker for its locks. An item that cannot be split bars what it
-//! is in the way of.
+//! is in the way of, and so does one that is found to wait for itself again and again.
 //!
 //! Which points are made depends on the timing: the mesh conforms to the domain and keeps the
 //! bounds, but it is not the same one twice.
@@ -29,14 +32,19 @@ mod list;
 mod mesh;
 mod redeal;
 mod regions;
+mod splits;
 mod values;
+mod waits;
+mod way;
 
 pub(super) use describe::{is_beyond_help, is_near};
-pub use list::{BadItems, Splits};
+pub use list::BadItems;
 pub use mesh::DomainMesh;
 pub(super) use redeal::DomainParcel;
+pub use splits::Splits;
 pub(super) use values::WallRegion;
 pub use values::{DomainCargo, DomainPatch, DomainPiece, DomainPoint};
+pub(super) use way::{FarFace, labels_at};
 
 use super::RefineError;
 use crate::mesh::start::{Cut, Given};

@@ -117,6 +117,8 @@ pub(super) struct Asked {
     pub(super) tet: TetId,
     /// The worker that is to hear of its end.
     pub(super) waiter: Option<WorkerId>,
+    /// The boundary item that waits for it, if one does.
+    pub(super) by: Option<ItemKey>,
 }
 
 /// One owner's tetrahedra in conflict, with the boundary.
@@ -193,7 +195,8 @@ pub(super) fn carriers_bytes(vertices: usize, bound: &[BoundVertex]) -> u64 {
 
 /// Bytes of the indices of a boundary item's vertices in a message.
 pub(super) const KEY: u64 = 3 * 2;
-/// Bytes of a boundary item that goes first: with its segment or facet, tetrahedron and waiter.
-pub(super) const ASKED: u64 = KEY + 4 + 4 + 4;
+/// Bytes of a boundary item that goes first: with its segment or facet, tetrahedron, and waiter or
+/// item that waits.
+pub(super) const ASKED: u64 = KEY + 4 + 4 + KEY;
 /// Bytes of a tetrahedron at which something may be boundary: five indices.
 pub(super) const NEAR: u64 = 4 * 2 + 2;

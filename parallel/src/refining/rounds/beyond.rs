@@ -4,9 +4,8 @@
 use super::candidate::{Probe, Told, What};
 use super::serve::{Answer, describe};
 use super::source::Rounds;
-use super::way::labels_at;
 use crate::protocol::{Directory, Handle, Rules, Submesh, WorkerId};
-use crate::refining::domain::DomainMesh;
+use crate::refining::domain::{DomainMesh, labels_at};
 use crate::refining::news::{DomainNews, PartEnd, ProbeId, WireClosure};
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{TetId, VertexId, tet_of};

@@ -1,12 +1,9 @@
-//! Straight ways to proposed points, through one worker's tetrahedra.
+//! Straight ways to proposed points, from worker to worker.
 
-use crate::protocol::Handle;
-use crate::refining::domain::DomainMesh;
+use crate::refining::domain::{DomainMesh, FarFace};
 use crate::refining::news::{Bits, PartEnd, WireItem};
-use ltbw_core::cavity::OTHERS;
-use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
-use ltbw_exact::Point;
-use ltbw_refine::{Across, BoundaryItem, Heading, Stop, View, Way, walk};
+use ltbw_core::topology::TetId;
+use ltbw_refine::{Heading, Stop, Way, walk};
 
 /// The end of a way.
 pub(super) enum WayEnd {
@@ -16,15 +13,6 @@ pub(super) enum WayEnd {
     Far(FarFace),
     /// It is not to be searched.
     Not(PartEnd),
-}
-
-/// A face beyond which a way goes on elsewhere.
-#[derive(Clone, Copy, Debug)]
-pub struct FarFace {
-    /// The tetrahedron beyond.
-    pub(super) at: Handle,
-    /// The region on this side.
-    pub(super) region: u32,
 }
 
 /// The place where a way begins, or goes on.
@@ -40,48 +28,6 @@ pub(super) struct Entry {
 pub(super) struct Begin {
     pub(super) start: Bits,
     pub(super) may: bool,
-}
-
-impl View for DomainMesh<'_> {
-    type Item = BoundaryItem;
-    type Far = FarFace;
-
-    fn most_steps(&self) -> usize {
-        self.inner.tets().topology().slots()
-    }
-
-    fn vertices(&self, t: TetId) -> [VertexId; 4] {
-        self.inner.tets().vertices(t)
-    }
-
-    fn point(&self, v: VertexId) -> Point {
-        DomainMesh::point(self, v)
-    }
-
-    /// At a far face the one beyond looks whether it is of a patch.
-    fn barrier(&self, t: TetId, v: [VertexId; 4], slot: usize) -> Option<BoundaryItem> {
-        let is_bound = OTHERS[slot].into_iter().all(|k| self.is_bound(v[k]));
-        if !is_bound {
-            return None;
-        }
-        let corners = v.map(|v| self.corner(v));
-        self.complex.side_of(&corners, slot, || labels_at(self, t, slot))
-    }
-
-    fn across(&self, t: TetId, slot: usize) -> Across<FarFace> {
-        let next = self.inner.tets().neighbours(t)[slot];
-        match self.inner.tets().far(tet_of(next)) {
-            Some(at) => Across::Far(FarFace { at, region: self.region(t) }),
-            None => Across::Here(Stop { t: tet_of(next), entry: Some(slot_of(next)) }),
-        }
-    }
-}
-
-/// The regions of a tetrahedron, and of the one beyond the face opposite a slot, if that is here.
-pub(super) fn labels_at(mesh: &DomainMesh<'_>, t: TetId, slot: usize) -> Option<[u32; 2]> {
-    let beyond = tet_of(mesh.inner.tets().neighbours(t)[slot]);
-    let is_here = mesh.inner.tets().far(beyond).is_none();
-    is_here.then(|| [t, beyond].map(|t| mesh.region(t)))
 }
 
 /// Walks straight from `start` to `to`, from an entry on.
@@ -111,7 +57,7 @@ pub(super) fn walk_way(
             corners if corners.contains(&way.to) => WayEnd::Not(PartEnd::Vertex),
             _ => WayEnd::At(t),
         },
-        Way::Blocked(item) => WayEnd::Not(PartEnd::Blocked(WireItem::new(&item))),
+        Way::Blocked(side) => WayEnd::Not(PartEnd::Blocked(WireItem::new(&side.item))),
         Way::Outside => WayEnd::Not(PartEnd::Outside),
         Way::Far(face) => WayEnd::Far(face),
     }

@@ -1,0 +1,23 @@
+//! Figures that workers tell of their splits.
+
+/// The figures of one worker's refinement.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Splits {
+    /// Points inserted on segments, on facets, and inside.
+    pub inserted: [u64; 3],
+    /// Points that gave way to a boundary item.
+    pub deferred: u64,
+    /// Points that did not do what they were made for.
+    pub useless: u64,
+    /// Boundary items, and tetrahedra, that were given up.
+    pub refused: [u64; 2],
+}
+
+impl Splits {
+    pub(in super::super) fn add(&mut self, other: &Self) {
+        self.inserted.iter_mut().zip(other.inserted).for_each(|(sum, own)| *sum += own);
+        self.deferred += other.deferred;
+        self.useless += other.useless;
+        self.refused.iter_mut().zip(other.refused).for_each(|(sum, own)| *sum += own);
+    }
+}
