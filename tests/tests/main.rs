@@ -19,6 +19,7 @@ mod refine;
 mod refine_bad;
 mod refine_cgal;
 mod refine_exterior;
+mod refine_freely;
 mod refine_rounds;
 mod refine_surfaces;
 mod refine_workers;

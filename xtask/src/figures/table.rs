@@ -114,6 +114,12 @@ pub(crate) const FIGURES: &[Figures] = &[
         ],
     },
     Figures {
+        name: "freely",
+        places: &[at("docs/rounds.md", "Without rounds, on many processors")],
+        commands: &["LTBW_CASES=100 cargo test --release -p ltbw-tests --test workspace \
+                     domains_have_as_many_tetrahedra -- --nocapture"],
+    },
+    Figures {
         name: "parts",
         places: &[
             at("docs/rounds.md", "Speed"),
