@@ -426,15 +426,14 @@ impl Topology {
     /// Builds the first tetrahedron `v`, positively oriented, and its four ghosts.
     pub(crate) fn start(&mut self, v: [VertexId; 4]) {
         debug_assert!(self.tets.all().is_empty());
-        let inf = INFINITE;
         // Opposite vertex i stands v with v[i] at infinity, seen from outside: an odd
         // permutation that brings the vertex at infinity to the last slot.
         let cells = [
             v,
-            [v[3], v[1], v[2], inf],
-            [v[0], v[3], v[2], inf],
-            [v[0], v[1], v[3], inf],
-            [v[1], v[0], v[2], inf],
+            [v[3], v[1], v[2], INFINITE],
+            [v[0], v[3], v[2], INFINITE],
+            [v[0], v[1], v[3], INFINITE],
+            [v[1], v[0], v[2], INFINITE],
         ];
         for v in cells {
             self.tets.push(Tet { v, n: [FaceId::default(); 4] });
