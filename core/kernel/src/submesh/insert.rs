@@ -81,8 +81,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     }
 
     /// Inserts a point that [`Submesh::search`] was asked for earlier. `false` if it is not
-    /// inserted so, though it may be from its seed on: where much has changed, at ghosts, and
-    /// where something may be in the way. The submesh is as before then.
+    /// inserted so, though it may be from its seed on: where much has changed, and where something
+    /// may be in the way. The submesh is as before then.
     ///
     /// # Panics
     /// If [`Earlier::found`] names what is no slot, or `v` is no finite vertex.
@@ -113,14 +113,12 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
             return false;
         }
         let open = OpenCavity::new(self);
-        let Self { topology, geometry, cavity, .. } = open.owner();
-        // Far faces, and what is locked or tagged, have no sphere. A slot that has become a far
-        // face since then is among these, too.
-        let is_blank = |t: TetId| geometry.sphere(t).is_blank();
+        let Self { topology, geometry, cavity, locks, .. } = open.owner();
+        // A slot that has become a far face since then is met, too.
+        let bars = |t| topology.tet(t).is_vacant() || locks.get(geometry.sphere(t)).is_some();
         let outer = cavity.boundary().map(|(_, outer)| tet_of(outer));
-        let is_blank = cavity.tets().chain(outer).any(is_blank);
-        let is_met = tagged || blocked || locked.is_some() || is_blank;
-        if is_met || !open.owner().owns_star(v, owns) {
+        let is_barred = cavity.tets().chain(outer).any(bars);
+        if is_barred || tagged || blocked || locked.is_some() || !open.owner().owns_star(v, owns) {
             return false;
         }
         debug_assert!(now.is_none_or(|now| now == cavity.tets().collect()));

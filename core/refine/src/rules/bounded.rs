@@ -314,9 +314,11 @@ impl<R: Surveyed> Bounded for ByValues<'_, R> {
             return 0;
         }
         let v = self.vertices(t);
+        let carrier = |k: usize| if bound[k] { self.carrier(v[k]) } else { Carrier::Free };
+        let carriers = [0, 1, 2, 3].map(carrier);
         for [i, j] in ENDS {
             let bit = edge_bit(i, j);
-            if word & bit != 0 && self.segment([v[i], v[j]]).is_none() {
+            if word & bit != 0 && self.complex.segment([carriers[i], carriers[j]]).is_none() {
                 word ^= bit;
             }
         }

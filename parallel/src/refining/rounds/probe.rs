@@ -322,15 +322,13 @@ impl<C: Rules> Rounds<C> {
     /// boundary. Returns whether it may be.
     pub(super) fn complete(&mut self, mesh: &DomainMesh<'_>, k: u32) -> bool {
         let (me, id) = (self.me, self.id(k));
-        let Probe { ref what, carrier, ref mut told, ref sliver, .. } =
-            self.choice.probes[k as usize];
+        let meets_boundary = self.choice.probes[k as usize].may_meet_boundary(mesh);
+        let Probe { carrier, ref mut told, ref sliver, .. } = self.choice.probes[k as usize];
         let told = told.get_or_insert_default();
         let closure = &told.closure;
         let count = |place: usize| closure.bound(place).into_iter().filter(|on| *on).count();
         let mut cavity = (0..closure.tets.len()).filter(|&place| closure.tets[place].1);
-        let is_near = matches!(what, What::Item(_))
-            || sliver.is_some()
-            || mesh.complex.has_patches()
+        let is_near = meets_boundary
             || self.served.cavity(id).any(|t| is_near(mesh, t))
             || cavity.any(|place| count(place) > 1);
         if is_near {
@@ -343,8 +341,14 @@ impl<C: Rules> Rounds<C> {
     /// The verdict on a probe whose closure is all here, and what makes it wait then.
     fn rule_here(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
         let (id, probe) = (self.id(k), &self.choice.probes[k as usize]);
-        let here = Here::of(mesh, self.served.cavity_at(&self.served.inside(id)));
+        let cavity = self.served.cavity_at(&self.served.inside(id));
+        let here = Here::of(mesh, cavity);
         let past = self.past(&probe.what);
+        if !probe.may_meet_boundary(mesh) && !cavity.iter().any(|&t| is_near(mesh, t)) {
+            let verdict = Verdict::Is(Outcome::Fits(Filled::default()));
+            debug_assert!(probe.rules_so_by_values(&here, &verdict, None, &past));
+            return (verdict, None);
+        }
         let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &here), &past);
         debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref(), &past));
         // Without candidates of the boundary it does not matter who else is near.

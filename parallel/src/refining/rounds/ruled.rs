@@ -23,6 +23,11 @@ pub(super) enum Verdict {
 }
 
 impl Probe {
+    /// May its closure have a part in the boundary though none of its cavity is near?
+    pub(super) fn may_meet_boundary(&self, mesh: &DomainMesh<'_>) -> bool {
+        matches!(self.what, What::Item(_)) || self.sliver.is_some() || mesh.complex.has_patches()
+    }
+
     /// The survey of a closure of its point.
     pub(super) fn survey<'c, R: Surveyed>(
         &self,
