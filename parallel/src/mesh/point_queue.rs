@@ -55,7 +55,7 @@ pub struct PointQueue {
     waiting: Vec<Cursor>,
     left: usize,
     given: usize,
-    /// Vertices of its range that were in the mesh before it gave one.
+    /// Vertices of its blocks that were in the mesh before it gave one.
     begun_with: usize,
 }
 
@@ -346,12 +346,14 @@ impl Source<LocalMesh> for PointQueue {
         }
         self.look_for_more();
         self.left -= taken.len();
+        self.begun_with = self.begun_with.saturating_sub(range.len() - taken.len());
         self.tidy();
         taken
     }
 
-    fn add(&mut self, _: BlockId, points: Vec<WireVertex>) {
+    fn add(&mut self, block: BlockId, points: Vec<WireVertex>) {
         self.left += points.len();
+        self.begun_with += self.blocks.vertices(block).len().saturating_sub(points.len());
         let points: VecDeque<_> = points.into();
         if !points.is_empty() {
             self.ready.push_back(Cursor::new(Track::Moved(points)));

@@ -16,7 +16,7 @@ use std::ops::Range;
 const LAST_LOOK: u32 = match (cfg!(test), cfg!(debug_assertions)) {
     (true, _) => 8,
     (_, true) => 256,
-    // A round has fewer.
+    // Rounds of boundary items alone, after which nobody counts anew, have few.
     (false, false) => u32::MAX >> 1,
 };
 

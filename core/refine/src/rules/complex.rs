@@ -18,7 +18,7 @@ use crate::rules::choice::{BoundaryItem, Corner};
 use crate::rules::group::Group;
 use ltbw_core::Random;
 use ltbw_core::mesh::Mesh;
-use ltbw_core::topology::{FaceId, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::{Mode, Point};
 use std::sync::Arc;
 
@@ -33,6 +33,14 @@ pub enum ComplexError {
     /// Its mesh is in a state that only one processor deals with.
     #[error("{0}")]
     Unsupported(&'static str),
+}
+
+/// The vertices of the face opposite a slot, ascending.
+fn corners_but(tet: &Tet, slot: usize) -> [VertexId; 4] {
+    let mut v = tet.vertices();
+    v[slot] = INFINITE;
+    v.sort_unstable();
+    v
 }
 
 /// A mesh to start with, all subsegments and subfaces in it.
@@ -102,12 +110,18 @@ impl Start {
             let [a, b, c, d] = tet.vertices().map(VertexId::index);
             let are_finite = [a, b, c].iter().all(|v| (1..=vertices).contains(v));
             let leads_back = |(slot, &face): (usize, &FaceId)| {
-                let there = self.tets.get(tet_of(face).index()).filter(|there| !there.is_free());
-                let back = there.map(|there| there.neighbours()[slot_of(face)]);
-                back == Some(FaceId::new(TetId::at(t), slot))
+                let (n, back) = (tet_of(face), slot_of(face));
+                let there = self.tets.get(n.index()).filter(|own| !own.is_free() && n.index() != t);
+                there.is_some_and(|there| {
+                    there.neighbours()[back] == FaceId::new(TetId::at(t), slot)
+                        && corners_but(there, back) == corners_but(tet, slot)
+                })
             };
             let leads_somewhere = || tet.neighbours().iter().enumerate().all(leads_back);
-            tet.is_free() || are_finite && d <= vertices && leads_somewhere()
+            match tet.is_free() {
+                true => tet.is_ghost(),
+                false => are_finite && d <= vertices && leads_somewhere(),
+            }
         };
         let is_whole = self.labels.len() == slots && self.carriers.len() == vertices;
         is_whole && slots <= MAX_TETS && self.tets.iter().enumerate().all(fits)

@@ -62,8 +62,9 @@ fn a_start_fits_together_or_is_told_apart() {
     let regions: Vec<u32> = start.finite().map(|own| own.1).collect();
     assert!([1, 2].iter().all(|region| regions.contains(region)));
     assert!(start.finite().all(|(v, _)| v.is_sorted() && v[3] < start.points.len() as u32));
-    let spoils: [fn(&mut Start); 6] = [
+    let spoils: [fn(&mut Start); 7] = [
         |own| own.tets.swap(9, 10),
+        |own| own.tets[9] = own.tets[10],
         |own| own.points.truncate(9),
         |own| own.carriers.truncate(9),
         |own| own.labels.truncate(9),

@@ -66,15 +66,10 @@ impl<C: Rules> Rounds<C> {
         self.created.truncate(first);
     }
 
-    /// Looks at all new tetrahedra, and forgets those that are gone.
-    fn look_again(&mut self, mesh: &mut DomainMesh<'_>) {
-        self.look_at_created(mesh, usize::MAX);
-        self.keys.start(mesh);
-    }
-
     /// Looks at the new tetrahedra; the first exchange begins.
     pub(super) fn look(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory) {
-        self.look_again(mesh);
+        self.look_at_created(mesh, usize::MAX);
+        self.keys.start(mesh);
         if self.keys.own.count_looks_anew() {
             // They are as of looks of before.
             self.ahead.clear();
@@ -332,9 +327,10 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// Stops between two rounds, with all tetrahedra looked at.
+    /// Stops between two rounds, with all tetrahedra looked at. What has changed at interface faces
+    /// is for the next exchange: the rounds may go on.
     fn stop(&mut self, mesh: &mut DomainMesh<'_>, ending: Ending) {
-        self.look_again(mesh);
+        self.look_at_created(mesh, usize::MAX);
         self.end(ending);
     }
 

@@ -1,13 +1,15 @@
 //! Barriers, and messages of one kind that are late; items that several workers ask for.
 
+use super::super::deal::{Common, Exchange, To, Value, is_due, redeal};
 use super::super::demands::Pending;
 use super::super::source::Among;
 use super::super::under_way::Counts;
 use super::super::{Ending, RoundNode, rounds_by};
 use super::*;
 use crate::check::{NewsNumbers, check_news, count_news};
-use crate::mesh::Layout;
+use crate::mesh::{Layout, Redeal};
 use crate::protocol::{Action, Config, Correct, Event, Message, Source};
+use crate::refining::RefineError;
 use crate::refining::news::{NEWS_KINDS, WireItem, WireLimit};
 use ltbw_core::MeshHash;
 use ltbw_domain::{PrepareOptions, Prepared};
@@ -193,6 +195,53 @@ fn late_one_after_the_other(
         }
     }
     all_late
+}
+
+/// Nobody hears how much work there is.
+struct Deaf;
+
+impl Exchange for Deaf {
+    fn to_all<T: Value>(&mut self, _: Vec<T>) -> Result<Vec<T>, RefineError> {
+        Ok(Vec::new())
+    }
+
+    fn to_some<T: Value>(&mut self, own: Vec<To<T>>) -> Result<Vec<To<T>>, RefineError> {
+        Ok(own.iter().map(|_| Vec::new()).collect())
+    }
+}
+
+/// Workers that stop between rounds, and go on with the cuts that they had, have lost nothing.
+#[test]
+fn a_redeal_that_moves_nothing_changes_nothing() {
+    let ready = prepared(DomainKind::Gear);
+    let refiner = Refiner::new().max_volume(1e-3).start(1);
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    let config = Config::new(5);
+    let layout = Layout { redeal: Redeal::Every(1), ..Layout::new(1000, 5) };
+    let mut stops = 0;
+    let run = rounds_by(
+        &refiner,
+        (&ready.domain, &ready.lattice),
+        |_| (layout, config),
+        |nodes| {
+            let mut nodes = nodes;
+            loop {
+                let mut network = Late::new(nodes, "");
+                network.run();
+                nodes = network.nodes;
+                if !is_due(&nodes) {
+                    return Ok(nodes);
+                }
+                let common = Common { points: &[], layout, config };
+                nodes = redeal(nodes, common, &mut Deaf)?.0;
+                stops += 1;
+            }
+        },
+    );
+    let (refined, ending) = run.expect("a mesh");
+    assert_eq!(ending.ok(), Some(Ending::Done));
+    assert_eq!(hash(&refined), hash(&engine));
+    assert!(stops > 10, "{stops}");
 }
 
 /// A round that uses the budget up is carried out, one of a point more is not.
