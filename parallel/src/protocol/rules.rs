@@ -55,8 +55,8 @@ rules! {
     fn tests_before_sleep;
     /// R18: a point whose item is gone is let go, never inserted elsewhere.
     fn lets_go;
-    /// R19: insertion ends when two waves in a row have the same sums, and all that was sent is
-    /// taken.
+    /// R19: a round is over when two waves in a row count the same messages about operations, and
+    /// all that were sent are taken.
     fn awaits_second_wave;
     /// R20: keys that are told in a later exchange wait for it.
     fn numbers_exchanges;

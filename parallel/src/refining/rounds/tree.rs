@@ -31,8 +31,8 @@ fn add(all: &mut Sums, own: &Sums) {
     }
 }
 
-/// Has every operation of a round ended, by the sums of a wave and of the one before? One alone may
-/// add up by chance, as workers speak at different times (R19).
+/// Has every operation of a round ended, by what a wave and the one before count of messages about
+/// operations? One alone may add up by chance, as workers speak at different times (R19).
 pub fn is_quiet<C: Rules>(before: Option<Sums>, sums: &Sums) -> bool {
     let is_second = before == Some(*sums) || !C::awaits_second_wave();
     sums[SENT] == sums[TAKEN] && is_second
