@@ -362,7 +362,8 @@ fn begin<'c, C: Rules>(
     resumed: &Resumed,
 ) -> Result<Begun<'c, C>, RefineError> {
     let before = start.made();
-    let others = start.points.len() as u64 - before;
+    // Of a start that does not fit, which `prepare` refuses, there may be fewer.
+    let others = (start.points.len() as u64).saturating_sub(before);
     let source = |me, mesh: &mut DomainMesh<'_>| {
         let (workers, blocks_each) = (layout.workers, layout.blocks_per_worker);
         let among = source::Among { me, workers, blocks_each };
