@@ -312,7 +312,7 @@ fn the_simulator_refines_a_domain_without_rounds() {
 fn every_option_of_the_simulator_is_obeyed() {
     let dir = tempfile::tempdir().unwrap();
     let base = ["simulate", "--points", "600", "--processors", "3", "--json", "a.json"];
-    let options: [(&[&str], &str, Value); 15] = [
+    let options: [(&[&str], &str, Value); 20] = [
         (&["--rule", "paper"], "rule", "paper".into()),
         (&["--distribution", "exponential"], "distribution", "exponential".into()),
         (&["--closure", "vertex"], "closure", "vertex".into()),
@@ -324,6 +324,11 @@ fn every_option_of_the_simulator_is_obeyed() {
         (&["--machine", "cow"], "byte", 80.0.into()),
         (&["--poll-every", "8"], "poll_every", 8.into()),
         (&["--letters"], "letters", true.into()),
+        (&["--as-processes"], "letters", true.into()),
+        (&["--as-processes"], "poll_every", 4.into()),
+        (&["--as-processes"], "ownership", "newest".into()),
+        (&["--as-processes"], "window", 16.into()),
+        (&["--as-processes"], "abreast", 0.into()),
         (&["--abreast", "7"], "abreast", 7.into()),
         (&["--window", "5"], "window", 5.into()),
         (&["--slow", "20"], "slow", 20.0.into()),
@@ -343,6 +348,8 @@ fn every_option_of_the_simulator_is_obeyed() {
         &["--ownership", "creator", "--storm", "1ms"],
         &["--ownership", "creator", "--balance"],
         &["--poll-every", "0"],
+        &["--as-processes", "--letters"],
+        &["--as-processes", "--balance"],
     ] {
         let run = ltbw(dir.path(), &[&["simulate"], wrong].concat());
         assert_eq!(run.code, 2, "{}", run.stderr);

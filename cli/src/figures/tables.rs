@@ -105,6 +105,7 @@ fn times(text: &mut String, s: &Summary, run: &Run) {
     row("  start and end, on one processor", seconds(whole.start), ["-"; 2]);
     row("  distribution of the mesh at the start", seconds(whole.distribution), ["-"; 2]);
     row("  gathering of the mesh", seconds(whole.gathering), ["-"; 2]);
+    row("  numbers for the parts that stay", seconds(whole.numbering), ["-"; 2]);
     row("time of one processor, whole", seconds(whole.one_processor), ["-"; 2]);
     row("speed-up over one processor, whole", gain(whole.one_processor, whole.makespan), ["-"; 2]);
     row("efficiency, whole", percent(whole.efficiency), ["-"; 2]);

@@ -87,6 +87,9 @@ pub(crate) struct Simulate {
     /// Send the messages between two looks for messages together, as threads and processes do
     #[arg(long, hide_short_help = true)]
     pub(crate) letters: bool,
+    /// Do as processes of `ltbw-mpi` do: their window, ownership, looks for messages and letters
+    #[arg(long, conflicts_with_all = ["window", "ownership", "poll_every", "abreast", "letters"])]
+    pub(crate) as_processes: bool,
     /// Operations that a worker starts at most at a time
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=4096))]
     #[arg(hide_short_help = true, allow_negative_numbers = true)]

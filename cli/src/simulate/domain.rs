@@ -146,7 +146,7 @@ fn tell(
     alone: &Summary,
 ) -> Result<(String, String), Failure> {
     let Asked { args, path, options, start } = *asked;
-    let SimulatedRounds { refined, events, ending, figures, .. } = made;
+    let SimulatedRounds { refined, events, ending, figures, late, .. } = made;
     // The comparison is of the whole mesh.
     let inside = refined.inside();
     let hash = hash_of(&inside.points, &inside.tets)?;
@@ -160,6 +160,8 @@ fn tell(
         started: after as u64,
         vertices: vertices as u64,
         times: figures.ended,
+        gathered: figures.ended - u64::from(late.is_none()),
+        looks: true,
     };
     let whole = Whole::of(summary, alone, &around, options);
     let alone = alone.makespan;
@@ -187,11 +189,13 @@ fn tell(
         figures.barriers,
         figures.redeals,
         figures.moved,
-        match ending {
-            Ok(Ending::Done) | Err(_) => {
-                "one processor put the mesh together, and did what was left".to_owned()
+        match (ending, late) {
+            (Ok(Ending::Done), None) => {
+                "each processor keeps its part of the mesh".to_owned()
             }
-            Ok(other) => format!("one processor did what was left ({other:?})").to_lowercase(),
+            (Ok(Ending::Done), Some(why)) => format!("one processor took in all parts: {why}"),
+            (Ok(other), _) => format!("one processor did what was left ({other:?})").to_lowercase(),
+            (Err(_), _) => "one processor did all".to_owned(),
         },
         tables(summary, &told(Doing::Rounds, alone, whole)),
         cost_model(&options.costs),

@@ -73,6 +73,8 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         started: started as u64,
         vertices: vertices as u64,
         times: 1,
+        gathered: 1,
+        looks: false,
     };
     let whole = Whole::of(&summary, &alone, &around, &options);
     let alone = alone.makespan;

@@ -26,6 +26,7 @@ use ltbw::refining::RefineError;
 use ltbw::simulate::{
     Around, MeshError, Meshed, Network, Options, RandomMigrations, Whole, simulate_mesh,
 };
+use ltbw::threads::{BURST, Parallel};
 use ltbw_generate::generate;
 use report::{Compared, Made, Report, Run};
 use std::path::{Path, PathBuf};
@@ -33,7 +34,9 @@ use std::path::{Path, PathBuf};
 /// `ltbw simulate`.
 pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     console::end_on_signal()?;
-    if (args.storm.is_some() || args.balance) && args.ownership != Ownership::Block {
+    if (args.storm.is_some() || args.balance)
+        && (args.as_processes || args.ownership != Ownership::Block)
+    {
         let text = "--storm and --balance move blocks, which only --ownership block allows";
         return Err(Failure::Usage(text.to_owned()));
     }
@@ -75,7 +78,8 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     };
     let started = layout.sample.min(set.len()) as u64;
     let vertices = meshed.gathered.mesh.num_vertices() as u64;
-    let around = Around { points: started, started, vertices, times: 1 };
+    // Each keeps its part of a mesh of points, as processes do.
+    let around = Around { points: started, started, vertices, times: 1, ..Around::default() };
     let whole = Whole::of(&meshed.summary, &alone, &around, &options);
     let alone = alone.makespan;
     let run = Run { args, layout: &layout, config: &config, options: &options };
@@ -174,19 +178,25 @@ fn options_alone(options: &Options) -> Options {
 
 /// The layout of the points, and the configuration of the workers.
 fn layout(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
-    let mut layout = Layout::for_high_latency(points, processors);
+    let process = Parallel::new(processors);
+    let mut layout = match args.as_processes {
+        true => process.default_layout(points),
+        false => {
+            Layout { ownership: args.ownership, ..Layout::for_high_latency(points, processors) }
+        }
+    };
     // Few points are not all for the start.
     if layout.sample >= points {
         layout.sample = points / domain::SHARE;
     }
-    let mut config = Config { rule: args.rule, closure: args.closure, ..Config::new(processors) };
+    let config = if args.as_processes { process.config() } else { Config::new(processors) };
+    let mut config = Config { rule: args.rule, closure: args.closure, ..config };
     if let Some(window) = args.window {
         config.window = window as usize;
     }
     if let Some(cursors) = args.cursors {
         layout.cursors = cursors as usize;
     }
-    layout.ownership = args.ownership;
     if let Some(abreast) = args.abreast {
         layout.max_in_flight = abreast as usize;
     }
@@ -211,8 +221,8 @@ fn options(args: &Simulate) -> Options {
             byte: args.bandwidth.map_or(machine.byte, |gbits| 8.0 / gbits),
             bursts: None,
         },
-        poll_every: args.poll_every,
-        letters: args.letters,
+        poll_every: if args.as_processes { BURST } else { args.poll_every },
+        letters: args.letters || args.as_processes,
         slow: args.slow.map(|factor| (WorkerId::default(), factor)).into_iter().collect(),
         balance: args.balance.then(Balance::default),
         storm: args.storm.map(|every| RandomMigrations { every }),

@@ -18,12 +18,12 @@ pub use news::{
 };
 #[cfg(feature = "wire")]
 pub use rounds::{
-    Checkpoints, Late, LateSteps, RefinedPart, RefinedWhole, SliverThere, TeamRounds, Wishes,
+    Checkpoints, LateSteps, RefinedPart, RefinedWhole, SliverThere, TeamRounds, Wishes,
     rounds_on_team,
 };
 pub use rounds::{
-    Ending, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN, ThreadedRounds,
-    Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds, unkilled,
+    Ending, Late, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN,
+    ThreadedRounds, Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds, unkilled,
 };
 pub use whole::Owners;
 

@@ -21,6 +21,9 @@ const DOUBLINGS: u32 = 10;
 /// sleeps.
 const POLLS: u32 = 100;
 
+/// Points that a thread or a process inserts between two looks for messages.
+pub const BURST: u32 = 4;
+
 /// Points that a worker has done before it says so.
 const BATCH: u64 = 64;
 
@@ -133,7 +136,7 @@ fn nanos(start: Instant) -> Nanos {
 }
 
 impl<S: Payload> RuntimeHooks<S> for ThreadHooks<'_> {
-    const BURST: usize = 4;
+    const BURST: usize = BURST as usize;
 
     fn now(&mut self) -> Nanos {
         nanos(self.start)

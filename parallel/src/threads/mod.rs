@@ -15,6 +15,7 @@ mod worker_loop;
 
 pub use distributed::Distributed;
 pub use failure::RunError;
+pub use hooks::BURST;
 #[cfg(feature = "wire")]
 #[doc(hidden)]
 pub use ranks::BuiltPart;
@@ -299,7 +300,7 @@ impl<'a> Parallel<'a> {
     }
 
     /// The configuration of each worker.
-    pub(crate) fn config(&self) -> Config {
+    pub fn config(&self) -> Config {
         let Self { rule, closure, window, .. } = *self;
         Config { rule, closure, window, ..Config::new(self.workers) }
     }
@@ -388,7 +389,7 @@ impl<'a> Parallel<'a> {
     }
 
     /// The layout by default: a point's star need not be divided where no block moves.
-    pub(crate) fn default_layout(&self, points: usize) -> Layout {
+    pub fn default_layout(&self, points: usize) -> Layout {
         let ownership = match self.is_balanced {
             true => Ownership::Block,
             false => Ownership::Newest,

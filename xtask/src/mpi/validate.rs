@@ -21,10 +21,6 @@ const POINTS: &str = "100000";
 const FEWER: &str = "20000";
 /// Halvings until the cost of a letter is known.
 const HALVINGS: usize = 10;
-/// The simulator's options for what processes do unless they are told otherwise: the window, the
-/// bursts and the letters of a process, which puts no point before others.
-const AS_PROCESSES: [&str; 9] =
-    ["--window", "16", "--ownership", "newest", "--poll-every", "4", "--abreast", "0", "--letters"];
 /// The figures, with their units.
 const FIGURES: [&str; 3] = ["makespan, ms", "messages", "setbacks"];
 
@@ -158,7 +154,7 @@ fn simulated(bench: &Bench, what: Simulated<'_>) -> Result<Figures, String> {
     let command = ["simulate", "--processors", &count, "--latency", &latency, "--points", points];
     let report = report_of(0);
     let costs = ["--message", &message, "--seed", &seed, "--json", &report];
-    let outcome = bench.ltbw(&words_of(&[&command[..], &AS_PROCESSES, &costs].concat()))?;
+    let outcome = bench.ltbw(&words_of(&[&command[..], &["--as-processes"], &costs].concat()))?;
     if outcome.code != Some(0) {
         return Err(outcome.stderr);
     }

@@ -42,7 +42,7 @@
 //! | `reserved` | who has reserved what |
 //! | `way` | straight ways to proposed points |
 //! | `ranks` | a worker in each process of a team |
-//! | `parts` | processes that keep their parts in the end |
+//! | `late`, `parts` | what takes the whole mesh in the end; processes that keep their parts |
 
 mod ahead;
 mod barriers;
@@ -60,6 +60,7 @@ mod figures;
 mod found;
 mod here;
 mod keys;
+mod late;
 mod leaders;
 mod left;
 mod mail;
@@ -85,8 +86,9 @@ mod under_way;
 mod way;
 
 pub use figures::{Ending, RoundFigures};
+pub use late::Late;
 #[cfg(feature = "wire")]
-pub use parts::{Late, RefinedPart, RefinedWhole, SliverThere};
+pub use parts::{RefinedPart, RefinedWhole, SliverThere};
 #[cfg(feature = "wire")]
 pub use ranks::{Checkpoints, LateSteps, TeamRounds, Wishes, rounds_on_team};
 pub use reserved::unkilled;
@@ -130,6 +132,9 @@ pub struct SimulatedRounds {
     pub ending: Result<Ending, ComplexError>,
     /// The figures of their rounds.
     pub figures: RoundFigures,
+    /// Why processors that share nothing could not keep their parts in the end; `None` if they
+    /// could, or have carried out no rounds.
+    pub late: Option<Late>,
 }
 
 /// A domain that threads have refined in rounds.
@@ -150,9 +155,17 @@ pub struct ThreadedRounds {
 /// The work that workers leave to one, how they have ended, and the first slot of each.
 type All = (Handed, Ending, Vec<usize>);
 
-/// A refinement at its end, how the workers' rounds have ended, or why there were none, their
-/// figures, and the first slot of each.
-type AllRounds = (Refined, Result<Ending, ComplexError>, RoundFigures, Vec<usize>);
+/// A refinement at its end.
+struct AllRounds {
+    refined: Refined,
+    /// The end of the workers' rounds, or why there were none.
+    ending: Result<Ending, ComplexError>,
+    figures: RoundFigures,
+    /// The first slot of each worker.
+    firsts: Vec<usize>,
+    /// Why workers could not have kept their parts, if that was asked.
+    late: Option<Late>,
+}
 
 /// The state from which workers go on in rounds.
 #[derive(Default)]
@@ -204,7 +217,8 @@ struct Left {
 }
 
 /// A refinement in rounds by workers, whichever way they run: `run` is given them, with what a
-/// redeal before has taken, and gives them back.
+/// redeal before has taken, and gives them back. If `looks`, it is told why they could not have
+/// kept their parts.
 ///
 /// # Errors
 /// Those of `run`; [`RefineError`] if the domain has no mesh.
@@ -213,15 +227,19 @@ fn refine<'a, C: Rules>(
     (domain, lattice): (&Domain, &Lattice),
     layout: impl Fn(usize) -> (Layout, Config),
     mut run: impl FnMut(Nodes<'a, C>, &[Moved]) -> Result<Nodes<'a, C>, RefineError>,
+    looks: bool,
 ) -> Result<AllRounds, RefineError> {
     let mut delegated = refiner.delegate(domain, lattice)?;
     let mut resumed = Resumed::default();
-    let (mut firsts, mut told) = (Vec::new(), Ending::Done);
+    let (mut firsts, mut told, mut late) = (Vec::new(), Ending::Done, None);
     // Ends: slivers are left once.
     loop {
         let (complex, start) = match delegated.complex() {
             Ok(whole) => whole,
-            Err(unfit) => return Ok((delegated.go_on()?, Err(unfit), resumed.figures, firsts)),
+            Err(unfit) => {
+                let (refined, figures) = (delegated.go_on()?, resumed.figures);
+                return Ok(AllRounds { refined, ending: Err(unfit), figures, firsts, late });
+            }
         };
         let (layout, config) = layout(start.points.len());
         let (workers, common) = begin(complex, &start, (layout, config), &resumed)?;
@@ -232,7 +250,14 @@ fn refine<'a, C: Rules>(
             let (next, moved) = redeal(workers, own, &mut Here)?;
             workers = run(next, &moved)?;
         }
-        let left = workers.into_iter().map(left_by).collect();
+        late = None;
+        let left = workers.into_iter().map(|worker| {
+            let (mesh, left) = ended_by(worker);
+            let why = looks.then(|| late::look(&mesh, &left, &delegated).err()).flatten();
+            late = late.into_iter().chain(why).min();
+            (Part::of(mesh), left)
+        });
+        let left = left.collect();
         let mut figures = resumed.figures;
         let (handed, ending, slots) =
             join(left, common, (&start, delegated.stats()), &mut figures)?;
@@ -244,7 +269,7 @@ fn refine<'a, C: Rules>(
             Then::Workers(left) => resumed = *left,
             Then::One(left) => {
                 let refined = finish(delegated, left)?;
-                return Ok((refined, Ok(told), figures, firsts));
+                return Ok(AllRounds { refined, ending: Ok(told), figures, firsts, late });
             }
         }
     }
@@ -309,8 +334,9 @@ pub fn simulate_rounds<C: Rules>(
         }
         Ok(workers)
     };
-    let (refined, ending, figures, _) = refine::<C>(refiner, whole, layout, run)?;
-    Ok(SimulatedRounds { refined, summary, events, ending, figures })
+    let all = refine::<C>(refiner, whole, layout, run, true)?;
+    let AllRounds { refined, ending, figures, late, .. } = all;
+    Ok(SimulatedRounds { refined, summary, events, ending, figures, late })
 }
 
 /// Refines a domain in rounds by workers that `run` brings to their end, one event at a time: for
@@ -326,7 +352,7 @@ pub fn rounds_by<'a, C: Rules>(
     mut run: impl FnMut(Vec<RoundNode<'a, C>>) -> Result<Vec<RoundNode<'a, C>>, RefineError>,
 ) -> Result<(Refined, Result<Ending, ComplexError>), RefineError> {
     let run = |workers, _: &[Moved]| run(workers);
-    let (refined, ending, ..) = refine::<C>(refiner, whole, layout, run)?;
+    let AllRounds { refined, ending, .. } = refine::<C>(refiner, whole, layout, run, false)?;
     Ok((refined, ending))
 }
 
@@ -350,7 +376,8 @@ pub fn rounds_on_threads(
         };
         Ok(ended.into_iter().zip(&mut workers).map(add).collect())
     };
-    let (refined, ending, figures, firsts) = refine::<Correct>(refiner, whole, layout, run)?;
+    let all = refine::<Correct>(refiner, whole, layout, run, false)?;
+    let AllRounds { refined, ending, figures, firsts, .. } = all;
     Ok(ThreadedRounds { refined, workers, owners: Owners(firsts), ending, figures })
 }
 
@@ -382,12 +409,6 @@ fn ended_by<C: Rules>(worker: RoundNode<'_, C>) -> (DomainMesh<'_>, Left) {
     let (mesh, source, _) = worker.into_parts();
     let left = source.into_left(&mesh);
     (mesh, left)
-}
-
-/// As [`ended_by`], as a part that others take over.
-fn left_by<C: Rules>(worker: RoundNode<'_, C>) -> (Part, Left) {
-    let (mesh, left) = ended_by(worker);
-    (Part::of(mesh), left)
 }
 
 /// The tetrahedra of all workers by their smallest dihedral angle, if they have begun with slivers

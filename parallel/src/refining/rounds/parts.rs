@@ -1,7 +1,7 @@
 //! The end of rounds at which nothing is left that takes the whole mesh: each member of a team
 //! keeps its part, under the numbers and in the orders of the whole.
 
-use super::{Ending, Left, RoundFigures, counted};
+use super::{Left, RoundFigures, counted};
 use crate::distributed::{Part, Side, Unnumbered, first_of_two, number};
 use crate::refining::domain::DomainMesh;
 use crate::team::{Post, Team, TeamError};
@@ -14,41 +14,6 @@ use ltbw_exact::{Mode, Point};
 use ltbw_refine::{
     Carrier, Delegated, Reason, RefineStats, RegionInfo, Start, from_smallest, in_order,
 };
-
-/// Why one member has the mesh in the end.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
-)]
-pub enum Late {
-    /// It was asked for as a whole.
-    Asked,
-    /// The members have carried out no rounds.
-    Alone,
-    /// The run was stopped, or rounds do not know how to go on.
-    Stopped,
-    /// Facets are coplanar within a tolerance.
-    Patches,
-    /// Vertices inside are moved.
-    Smoothing,
-    /// Something could not be split, and is asked again, or relieved.
-    Refused,
-    /// Slivers are left, which are relieved.
-    Slivers,
-}
-
-impl std::fmt::Display for Late {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Asked => "what is written takes the whole mesh",
-            Self::Alone => "one process has refined it",
-            Self::Stopped => "the rounds have stopped early",
-            Self::Patches => "facets are coplanar within the tolerance",
-            Self::Smoothing => "vertices are moved",
-            Self::Refused => "something cannot be split",
-            Self::Slivers => "slivers are left",
-        })
-    }
-}
 
 /// A tetrahedron of some part with a dihedral angle below the bound.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -122,38 +87,6 @@ struct Made {
 }
 
 impl Ended<'_, '_> {
-    /// Looks at this part once more. If this member can keep it these tetrahedra may be slivers,
-    /// which the domain asks for.
-    ///
-    /// # Errors
-    /// Why it cannot.
-    pub(super) fn look(&self, delegated: &Delegated<'_>) -> Result<Vec<TetId>, Late> {
-        let Left { asked, refused, refused_tets, ending, .. } = self.left;
-        let complex = &self.mesh.complex;
-        match () {
-            () if *ending != Some(Ending::Done) => return Err(Late::Stopped),
-            () if complex.has_patches() => return Err(Late::Patches),
-            () if !delegated.may_stay() => return Err(Late::Smoothing),
-            () if !(asked.is_empty() && refused.is_empty() && refused_tets.is_empty()) => {
-                return Err(Late::Refused);
-            }
-            () => {}
-        }
-        let tets = self.mesh.inner.tets();
-        let finite = tets.tets().filter(|(_, v)| v[3] != INFINITE);
-        let all = finite.map(|(t, v)| (t, v.map(|v| self.mesh.point(v)), self.mesh.region(t)));
-        let amiss = complex.amiss(all);
-        let is_open = |&t: &TetId| {
-            let corners = tets.vertices(t).map(|v| self.mesh.corner(v));
-            complex.is_sliver(corners, self.mesh.region(t))
-        };
-        match () {
-            () if amiss.is_over => Err(Late::Refused),
-            () if amiss.thin.iter().any(is_open) => Err(Late::Slivers),
-            () => Ok(amiss.thin),
-        }
-    }
-
     /// The slivers of this part, which the domain asks for, of tetrahedra that may be some.
     fn slivers(&self, thin: &[TetId], numbers: &[Vertex], fine_step: f64) -> Vec<SliverThere> {
         if !self.mesh.complex.has_angles() {

@@ -3,7 +3,8 @@
 //! what they leave, as it does with threads.
 
 use super::deal::{self, Common, Exchange, To, Value, redeal};
-use super::parts::{Ended, Late, Own, RefinedPart};
+use super::late::{self, Late};
+use super::parts::{Ended, Own, RefinedPart};
 use super::{
     Ending, Left, Resumed, RoundNode, Then, ThreadedRounds, begin, ended_by, finish, go_on, join,
     told_of,
@@ -278,7 +279,7 @@ impl<P: Post> Member<'_, '_, P> {
             return Ok(Stays::Not(Late::Asked));
         }
         let ended = Ended { mesh: &rest.mesh, left: &rest.left, start };
-        let look = ended.look(delegated);
+        let look = late::look(&rest.mesh, &rest.left, delegated);
         let all: Vec<Option<Late>> =
             self.team.gather_all(&look.as_ref().err().copied()).map_err(of_team)?;
         let (thin, begin) = match (look, all.into_iter().flatten().min()) {

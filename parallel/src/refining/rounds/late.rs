@@ -1,0 +1,77 @@
+//! Why processors that share nothing cannot keep their parts at the end of a domain's rounds: what
+//! is left takes the whole mesh.
+
+use super::{Ending, Left};
+use crate::refining::domain::DomainMesh;
+use ltbw_core::topology::{INFINITE, TetId};
+use ltbw_refine::Delegated;
+
+/// Why one member has the mesh in the end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
+pub enum Late {
+    /// It was asked for as a whole.
+    Asked,
+    /// The members have carried out no rounds.
+    Alone,
+    /// The run was stopped, or rounds do not know how to go on.
+    Stopped,
+    /// Facets are coplanar within a tolerance.
+    Patches,
+    /// Vertices inside are moved.
+    Smoothing,
+    /// Something could not be split, and is asked again, or relieved.
+    Refused,
+    /// Slivers are left, which are relieved.
+    Slivers,
+}
+
+impl std::fmt::Display for Late {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Asked => "what is written takes the whole mesh",
+            Self::Alone => "one process has refined it",
+            Self::Stopped => "the rounds have stopped early",
+            Self::Patches => "facets are coplanar within the tolerance",
+            Self::Smoothing => "vertices are moved",
+            Self::Refused => "something cannot be split",
+            Self::Slivers => "slivers are left",
+        })
+    }
+}
+
+/// Looks at a worker's part once more at the end of its rounds. If it can keep it these tetrahedra
+/// may be slivers, which the domain asks for.
+///
+/// # Errors
+/// Why it cannot.
+pub(super) fn look(
+    mesh: &DomainMesh<'_>,
+    left: &Left,
+    delegated: &Delegated<'_>,
+) -> Result<Vec<TetId>, Late> {
+    let Left { asked, refused, refused_tets, ending, .. } = left;
+    let complex = &mesh.complex;
+    match () {
+        () if *ending != Some(Ending::Done) => return Err(Late::Stopped),
+        () if complex.has_patches() => return Err(Late::Patches),
+        () if !delegated.may_stay() => return Err(Late::Smoothing),
+        () if !(asked.is_empty() && refused.is_empty() && refused_tets.is_empty()) => {
+            return Err(Late::Refused);
+        }
+        () => {}
+    }
+    let tets = mesh.inner.tets();
+    let finite = tets.tets().filter(|(_, v)| v[3] != INFINITE);
+    let all = finite.map(|(t, v)| (t, v.map(|v| mesh.point(v)), mesh.region(t)));
+    let amiss = complex.amiss(all);
+    let is_open = |&t: &TetId| {
+        let corners = tets.vertices(t).map(|v| mesh.corner(v));
+        complex.is_sliver(corners, mesh.region(t))
+    };
+    match () {
+        () if amiss.is_over => Err(Late::Refused),
+        () if amiss.thin.iter().any(is_open) => Err(Late::Slivers),
+        () => Ok(amiss.thin),
+    }
+}
