@@ -39,7 +39,8 @@ pub(crate) fn mesh(
     let clock = Instant::now();
     let end = {
         let progress = Progress::begin("recover", task.stop.begun());
-        let parallel = Parallel::new(others.size()).cancel(task.stop.token());
+        let parallel = Parallel::new(others.size()).among_processes();
+        let parallel = parallel.cancel(task.stop.token());
         let work = Work { parallel: &parallel, token: task.stop.token() };
         let markers = job.boundary.markers();
         let wishes = Wishes { in_parts: !takes_whole(job), markers, ..Wishes::default() };

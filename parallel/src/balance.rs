@@ -40,6 +40,11 @@ pub trait Workload {
         0
     }
 
+    /// Do others wait for what this worker says? It looks for messages after each point then.
+    fn is_waited_for(&self) -> bool {
+        false
+    }
+
     /// Is it worth while to move `block`, which has `points` left? Its mesh moves along: a block
     /// that is nearly done costs more on its way than its points do where it is.
     fn is_worth_moving(&self, block: BlockId, points: u64) -> bool {

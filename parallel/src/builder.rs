@@ -210,7 +210,7 @@ impl<'a> Builder<'a> {
         if self.budget != Budget::default() {
             return Err(RunError::Settings("a team has no budget".to_owned()));
         }
-        self.kernel(team.size(), None).build_on(team, slice)
+        self.kernel(team.size(), None).among_processes().build_on(team, slice)
     }
 
     /// Builds the mesh by several threads.

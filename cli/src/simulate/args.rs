@@ -79,7 +79,8 @@ pub(crate) struct Simulate {
     /// needed, or after every N-th round
     #[arg(long, value_name = "WHEN", default_value = "never", hide_short_help = true)]
     pub(crate) redeal: Redeal,
-    /// A processor with work of its own looks for messages before each N-th insertion
+    /// A processor with work of its own looks for messages before each N-th insertion; in rounds,
+    /// where others wait, before each
     #[arg(long, value_name = "N", default_value_t = 1)]
     #[arg(value_parser = whole::<u32>(1..=1_000_000), hide_short_help = true)]
     #[arg(allow_negative_numbers = true)]

@@ -178,7 +178,7 @@ fn options_alone(options: &Options) -> Options {
 
 /// The layout of the points, and the configuration of the workers.
 fn layout(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
-    let process = Parallel::new(processors);
+    let process = Parallel::new(processors).among_processes();
     let mut layout = match args.as_processes {
         true => process.default_layout(points),
         false => {

@@ -43,7 +43,8 @@ pub struct Options {
     /// have happened; 0 for never. A check takes time in proportion to the mesh.
     pub check_every: u64,
     /// A worker with work of its own looks for messages before each `poll_every`-th step of it: the
-    /// paper polls after every cavity, and names over-polling as the price.
+    /// paper polls after every cavity, and names over-polling as the price. In rounds, where others
+    /// wait, it looks before each.
     pub poll_every: u32,
     /// The messages of a turn, from one look for messages to the next, leave together when it is
     /// over, as those of threads and processes do; if not, each leaves at once.

@@ -78,7 +78,8 @@ pub(super) struct WorkTime {
 impl<S: Submesh, Q: Source<S> + Workload, C: Rules> Processor<S, Q, C> {
     /// A turn is over, and the next one begins with a look for messages.
     pub(super) fn is_between_turns(&self, poll_every: u32) -> bool {
-        let goes_on = self.unpolled + 1 < poll_every && self.worker.has_work();
+        let is_waited_for = self.worker.source().is_waited_for();
+        let goes_on = !is_waited_for && self.unpolled + 1 < poll_every && self.worker.has_work();
         !self.answers && !goes_on
     }
 

@@ -22,7 +22,7 @@ const DOUBLINGS: u32 = 10;
 const POLLS: u32 = 100;
 
 /// Points that a thread or a process inserts between two looks for messages.
-pub const BURST: u32 = 4;
+pub const BURST: u32 = 8;
 
 /// Points that a worker has done before it says so.
 const BATCH: u64 = 64;

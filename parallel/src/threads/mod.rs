@@ -212,6 +212,12 @@ impl<'a> Parallel<'a> {
         self
     }
 
+    /// Sets the window of processes: their messages may take hundreds of microseconds, in which one
+    /// inserts as many points.
+    pub fn among_processes(self) -> Self {
+        self.window(64)
+    }
+
     /// Delays every message: to see how the kernel tolerates it.
     pub fn latency(mut self, latency: Duration) -> Self {
         self.latency = latency;

@@ -210,7 +210,8 @@ where
                 worked = true;
             }
         }
-        for _ in 0..W::BURST {
+        let burst = if self.node.source().is_waited_for() { 1 } else { W::BURST };
+        for _ in 0..burst {
             if !self.node.has_work() {
                 break;
             }

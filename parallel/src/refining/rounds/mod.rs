@@ -490,4 +490,9 @@ impl<C> Workload for Rounds<C> {
     fn in_block(&self, _: BlockId) -> u64 {
         0
     }
+
+    /// A round is as long as its slowest worker.
+    fn is_waited_for(&self) -> bool {
+        true
+    }
 }
