@@ -128,9 +128,8 @@ fn caught_in(with: &[(u32, u64)], defect: Defect, all: &[Case]) {
 }
 
 #[test]
-fn rounds_with_a_broken_rule_are_caught() {
-    let all = cases();
-    for case in &all {
+fn rounds_that_keep_all_rules_make_the_engines_mesh() {
+    for case in &cases() {
         for of in RUNS {
             assert_eq!(run::<Correct>(case, of), Ok(()), "{of:?}");
         }
@@ -142,25 +141,50 @@ fn rounds_with_a_broken_rule_are_caught() {
         let alone = Defect::NoBarrier.planted(|| run::<KnownBad>(case, (1, 1_000)));
         assert_eq!(alone, Ok(()));
     }
+}
+
+// Tests of their own for what takes long: processors of the machine share them. The domains are
+// those on which the test above finds nothing.
+
+#[test]
+fn exchanges_with_a_broken_rule_are_caught() {
+    let all = cases();
     caught(Defect::NamelessKeys, &all);
     caught(Defect::NoBarrier, &all);
     caught(Defect::KeyByName, &all);
+}
+
+#[test]
+fn reservations_with_a_broken_rule_are_caught() {
+    let all = cases();
     caught(Defect::DeafHome, &all);
     caught(Defect::StaleReservation, &all);
     caught(Defect::HastyProbe, &all);
-    // Of little is much found ahead.
+}
+
+/// Most of its runs do not end.
+#[test]
+fn equal_keys_are_caught() {
+    caught(Defect::EqualKeys, &cases()[1..2]);
+}
+
+/// Of little is much found ahead.
+#[test]
+fn cavities_found_ahead_with_a_broken_rule_are_caught() {
     let fine = [case(DomainKind::CubeOctahedron, 7e-5)];
     for of in RUNS {
         assert_eq!(run::<Correct>(&fine[0], of), Ok(()), "{of:?}");
     }
     caught(Defect::RashChoice, &fine);
+}
+
+#[test]
+fn labels_at_patches_with_a_broken_rule_are_caught() {
     let patched = [patched_case()];
     for of in RUNS {
         assert_eq!(run::<Correct>(&patched[0], of), Ok(()), "{of:?}");
     }
     caught(Defect::Unlabelled, &patched);
-    // Most of its runs do not end.
-    caught(Defect::EqualKeys, &all[1..2]);
 }
 
 #[test]
