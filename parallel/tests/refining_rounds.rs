@@ -82,14 +82,17 @@ pub(crate) fn one_mesh(
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
     invariants::check_all(engine.mesh()).expect("invariants of the mesh");
     let whole = (&ready.domain, &ready.lattice);
-    // Where something was refused the engine splits slivers.
-    let plain = refiner.min_dihedral(0.0).refine(&ready.domain, &ready.lattice).expect("a mesh");
+    // Where something was refused the engine splits slivers. Asked of few.
+    let no_points = || {
+        let plain = refiner.min_dihedral(0.0).refine(&ready.domain, &ready.lattice);
+        plain.expect("a mesh").stats.round_points == 0
+    };
     for threads in [1, 2, 3, 4, 8] {
         let run = rounds_on_threads(refiner, whole, &Parallel::new(threads)).expect("a run ends");
         same(&format!("{name} on {threads} threads"), &run.refined, &engine);
         // At patches something may be refused in the first round.
-        let is_done = plain.stats.round_points == 0 || run.ending == Ok(Ending::Irregular);
-        assert!(run.ending.is_err() || is_done || run.figures.points > 0, "{name}");
+        let is_done = run.ending.is_err() || run.ending == Ok(Ending::Irregular);
+        assert!(is_done || run.figures.points > 0 || no_points(), "{name}");
     }
     redealt(name, refiner, ready, &engine);
     let mut ending = None;
