@@ -56,7 +56,8 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "B", requires = "domain", allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
     pub(crate) radius_edge: Option<f64>,
-    /// Vertices at the start [default: 4096; async: 2048 each; of a small mesh a quarter]
+    /// Vertices at the start [default: 4096; async: 2048 each, but no more than a
+    /// twentieth of all; of a small mesh a quarter]
     #[arg(long, value_name = "N", requires = "domain")]
     #[arg(hide_short_help = true)]
     pub(crate) start: Option<usize>,

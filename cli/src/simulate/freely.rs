@@ -26,15 +26,16 @@ const TETS_PER_VOLUME: f64 = 1.9;
 /// And for each vertex.
 const TETS_PER_VERTEX: f64 = 5.5;
 
-/// Vertices at which the processors begin: a quarter of what a bound on volumes predicts, but no
-/// more than they can use.
+/// Vertices at which the processors begin: a twentieth of what a bound on volumes predicts, since
+/// all others wait for the one that makes them; in a small mesh a quarter, and never more than they
+/// can use.
 fn start_of(workers: u32, ready: &Prepared, max_volume: Option<f64>) -> usize {
     let most = (START_EACH * workers as usize).max(START);
     let volume = ready.report.volume().map_or(0.0, |volume| volume.to_f64());
     let tets = max_volume.map(|bound| TETS_PER_VOLUME * volume / bound);
     // A conversion of floats saturates.
     let vertices = tets.map_or(usize::MAX, |tets| (tets / TETS_PER_VERTEX) as usize);
-    most.min(vertices / 4)
+    most.min((vertices / 20).max(START_EACH.min(vertices / 4)))
 }
 
 /// `ltbw simulate --domain --mode async`.
