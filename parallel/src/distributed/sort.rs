@@ -1,6 +1,6 @@
 //! Values of all members, sorted: each member gets a stretch of them, in the order of members.
 
-use super::records::{Record, bytes_of, values_of};
+use super::records::{Record, bytes_of, refused, values_of};
 use crate::protocol::WorkerId;
 use crate::team::{Post, Team, TeamError};
 use serde::Serialize;
@@ -51,7 +51,15 @@ where
     by_sender.map(|(sender, bytes)| Ok(values_of(sender, bytes)?.collect())).collect()
 }
 
-/// The first values of all stretches but the first: the same at all members.
+/// One member's sorted values, as far as the first one knows.
+#[derive(Serialize, serde::Deserialize)]
+struct Samples<R> {
+    length: u64,
+    samples: Vec<R>,
+}
+
+/// The first values of all stretches but the first: the same at all members. The first one finds
+/// them, since many members have many samples.
 fn cuts<P, R>(team: &mut Team<P>, own: &[R]) -> Result<Vec<R>, TeamError>
 where
     P: Post,
@@ -59,16 +67,28 @@ where
 {
     let count = own.len().min(SAMPLES);
     let samples: Vec<R> = (0..count).map(|k| own[(2 * k + 1) * own.len() / (2 * count)]).collect();
-    let all: Vec<(u64, Vec<R>)> = team.gather_all(&(own.len() as u64, samples))?;
+    let members = team.size() as usize;
+    let all = team.gather_values(&Samples { length: own.len() as u64, samples })?;
+    let cuts = team.tell_value(all.map(|all| cuts_of(all, members)))?;
+    match cuts.len() < members {
+        true => Ok(cuts),
+        false => {
+            let place = [members, cuts.len()];
+            Err(refused(WorkerId::default(), place, "more stretches than members").into())
+        }
+    }
+}
+
+/// As [`cuts`], by what all members have.
+fn cuts_of<R: Record + Ord>(all: Vec<Samples<R>>, members: usize) -> Vec<R> {
     // Each stands for as many values as any other of its member.
-    let weigh = |(length, samples): (u64, Vec<R>)| {
+    let weigh = |Samples { length, samples }: Samples<R>| {
         let weight = length as f64 / samples.len().max(1) as f64;
         samples.into_iter().map(move |sample| (sample, weight))
     };
     let mut samples: Vec<(R, f64)> = all.into_iter().flat_map(weigh).collect();
     samples.sort_by_key(|&(sample, _)| sample);
     let whole: f64 = samples.iter().map(|&(_, weight)| weight).sum();
-    let members = team.size() as usize;
     let (mut cuts, mut before) = (Vec::with_capacity(members - 1), 0.0);
     for &(sample, weight) in &samples {
         while cuts.len() + 1 < members && before >= whole * (cuts.len() + 1) as f64 / members as f64
@@ -81,5 +101,5 @@ where
     if let Some(&(last, _)) = samples.last() {
         cuts.resize(members - 1, last);
     }
-    Ok(cuts)
+    cuts
 }

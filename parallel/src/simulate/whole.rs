@@ -19,9 +19,10 @@ const VERTEX: f64 = 24.0;
 const ASKED: f64 = 40.0;
 /// Bytes of a number.
 const NUMBER: f64 = 4.0;
-/// Bytes that each tells all when parts are numbered: whether it keeps its part, the box around it,
-/// samples of an order, counts, figures.
-const TOLD: [f64; 5] = [1.0, 48.0, 64.0 * ASKED, 24.0, 1024.0];
+/// Bytes that each tells when parts are numbered, and those of them that all are told of each:
+/// whether it keeps its part, the box around it, samples of an order, of which all are told one cut
+/// each, counts, figures.
+const TOLD: [[f64; 2]; 5] = [[1.0; 2], [48.0; 2], [64.0 * ASKED, ASKED], [24.0; 2], [1024.0; 2]];
 /// Steps of a vertex while it is numbered: its key, and its place in two orders.
 const NUMBERED: f64 = 3.0;
 
@@ -144,11 +145,11 @@ impl Team<'_> {
         (self.count - 1.0) * (self.slowness * own).max(link) + network.latency as f64
     }
 
-    /// The time until all have what each of them had: the first one takes in all, and tells them
-    /// down a tree in which each tells twice as many.
-    fn gather_all(&self, bytes: f64) -> f64 {
+    /// The time until all have `told` bytes for each of them, of the `bytes` that each had: the
+    /// first one takes in all, and tells them down a tree in which each tells twice as many.
+    fn gather_all(&self, [bytes, told]: [f64; 2]) -> f64 {
         let Options { costs, network, .. } = self.options;
-        let (own, all) = (bytes as u64, (bytes * self.count) as u64);
+        let (own, all) = (bytes as u64, (told * self.count) as u64);
         let taken = self.parts(costs.receiving(own, false), own) + costs.sending(own, false);
         let link = network.byte * all as f64 + network.latency as f64;
         let hop = self.slowness * (costs.sending(all, false) + costs.receiving(all, false)) + link;
