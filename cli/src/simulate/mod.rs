@@ -221,7 +221,12 @@ fn options(args: &Simulate) -> Options {
             byte: args.bandwidth.map_or(machine.byte, |gbits| 8.0 / gbits),
             bursts: None,
         },
-        poll_every: if args.as_processes { BURST } else { args.poll_every },
+        poll_every: match args.as_processes {
+            // Others wait for a processor in rounds.
+            _ if args.domain.is_some() && args.mode == Mode::Rounds => 1,
+            true => BURST,
+            false => args.poll_every,
+        },
         letters: args.letters || args.as_processes,
         slow: args.slow.map(|factor| (WorkerId::default(), factor)).into_iter().collect(),
         balance: args.balance.then(Balance::default),

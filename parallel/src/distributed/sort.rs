@@ -41,7 +41,7 @@ where
     let mut from = 0;
     let mut parts = Vec::with_capacity(team.size() as usize);
     for until in cuts.iter().map(|cut| own.partition_point(|value| value < cut)) {
-        // Cuts ascend, whatever samples were told.
+        // Cuts ascend, whatever was told.
         parts.push(bytes_of(own[from..until.max(from)].iter().copied()));
         from = until.max(from);
     }
@@ -102,4 +102,29 @@ fn cuts_of<R: Record + Ord>(all: Vec<Samples<R>>, members: usize) -> Vec<R> {
         cuts.resize(members - 1, last);
     }
     cuts
+}
+
+#[cfg(all(test, not(any(loom, shuttle))))]
+mod tests {
+    use super::*;
+    use crate::team::threads;
+
+    /// A first member that tells more cuts than there are members is refused.
+    #[test]
+    fn more_stretches_than_members_are_refused() {
+        let mut posts = threads(2).into_iter();
+        let (first, second) = (posts.next().expect("two"), posts.next().expect("two"));
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                let mut team = Team::new(first);
+                let own = Samples { length: 0, samples: Vec::<[u64; 5]>::new() };
+                let all = team.gather_values(&own).expect("samples");
+                assert_eq!(all.map(|all| all.len()), Some(2));
+                team.tell_value(Some(vec![[1_u64; 5]; 2])).expect("cuts");
+            });
+            let refused = cuts(&mut Team::new(second), &[[7_u64; 5]]);
+            let why = refused.expect_err("three stretches of two").to_string();
+            assert!(why.contains("more stretches than members"), "{why}");
+        });
+    }
 }

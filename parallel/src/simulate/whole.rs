@@ -3,9 +3,11 @@
 //! The kernel's figures begin when the mesh at the start is distributed, and end when the last
 //! processor has stopped. Before that one processor makes the mesh at the start, and sends the
 //! others their parts. Afterwards all keep theirs, as processes do (`ltbw-mpi`): each looks at it
-//! once more, and they number its vertices together. What takes the whole mesh has one processor
+//! once more, and they number its vertices together (of given points they order their slices along
+//! the curve before, which is the same sort). What takes the whole mesh has one processor
 //! take in all parts, and insert what is left. These times are computed, not simulated: a point
-//! costs what it costs one processor alone in the same run, a part one message.
+//! costs what it costs one processor alone in the same run, a part one message. One processor that
+//! is alone is not charged with looks and numbers.
 
 use super::Options;
 use crate::metrics::{Nanos, Summary};
@@ -80,7 +82,9 @@ impl Whole {
         if inserted == 0 || count == 0.0 {
             return None;
         }
-        let team = Team { options, count, slowness: options.slowness(WorkerId::default()) };
+        // The time of one processor alone is slowed down already.
+        let slowness = if count > 1.0 { options.slowness(WorkerId::default()) } else { 1.0 };
+        let team = Team { options, count, slowness };
         let by_one = around.points as f64 * (alone.makespan as f64 / inserted as f64);
         let tets = summary.workers.iter().map(|worker| worker.tets).sum::<u64>() as f64;
         let bytes = |vertices: u64| {
@@ -93,27 +97,20 @@ impl Whole {
         let back = team.parts(costs.receiving(last, false), last) + costs.sending(last, false);
         let looked = if around.looks { tets * costs.look } else { 0.0 };
         let vertices = around.vertices as f64;
-        let numbered = |count: f64, together: f64| {
-            let own = (looked + vertices * NUMBERED * costs.step) / count;
-            if around.gathered < around.times {
-                (team.slowness * own + together) as Nanos
-            } else {
-                0
-            }
-        };
         let travel = |times: u64, time: f64| {
             if count > 1.0 { (times as f64 * time) as Nanos } else { 0 }
         };
         let start = (team.slowness * by_one) as Nanos;
         let distribution = travel(around.times, out);
         let gathering = travel(around.gathered, back);
-        let together = if count > 1.0 { team.numbering(vertices / count) } else { 0.0 };
-        let numbering = numbered(count, together);
+        let own = (looked + vertices * NUMBERED * costs.step) / count;
+        let numbering = match count > 1.0 && around.gathered < around.times {
+            true => (team.slowness * own + team.numbering(vertices / count)) as Nanos,
+            false => 0,
+        };
         let kernel = summary.makespan;
         let makespan = start + distribution + kernel + gathering + numbering;
-        // One processor has nobody to number with, and looks at all.
-        let alone_after = numbered(1.0, 0.0) as f64 / team.slowness;
-        let one_processor = by_one as Nanos + alone.makespan + alone_after as Nanos;
+        let one_processor = by_one as Nanos + alone.makespan;
         let efficiency = one_processor as f64 / (count * makespan.max(1) as f64);
         Some(Self {
             start,

@@ -111,6 +111,18 @@ pub(crate) const FIGURES: &[Figures] = &[
              --latency 1us",
             "ltbw simulate --domain cube-octahedron --max-volume 1.73783e-6 --processors 16 \
              --latency 100us",
+            "ltbw simulate --domain cube-octahedron --max-volume 1.73783e-6 --processors 64 \
+             --latency 1.2us",
+            "ltbw simulate --domain cube-octahedron --max-volume 1.73783e-7 --processors 256 \
+             --latency 1.2us",
+        ],
+    },
+    Figures {
+        name: "processes",
+        places: &[at("docs/distributed.md", "What does not scale yet")],
+        commands: &[
+            "ltbw simulate --processors 128 --points 7680000 --latency 10us --as-processes",
+            "ltbw simulate --processors 1024 --points 4096000 --latency 10us --as-processes",
         ],
     },
     Figures {

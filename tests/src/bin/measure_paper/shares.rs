@@ -117,10 +117,10 @@ pub(crate) fn over_processors(programs: &Programs) -> Result<Vec<Block>, Failure
         title: "Figure 5, right: whole times over processors".into(),
         head: std::iter::once("seconds".to_owned()).chain(names.iter().cloned()).collect(),
         rows: rows.collect(),
-        below: "Start and end on one processor and distribution are in them, and the end: numbers \
-                for parts that stay, or gathering. The paper has a picture alone; it calls its \
-                speed-up O(log P)."
-            .into(),
+        below:
+            "Start and end on one processor, distribution and gathering are in them. The paper has \
+                a picture alone; it calls its speed-up O(log P)."
+                .into(),
     };
     let below = "Simulated; seconds over processors.".into();
     let over = Picture { title: "Figure 5, right".into(), svg: lines(&names, &times), below };
