@@ -118,7 +118,7 @@ pub(crate) const FIGURES: &[Figures] = &[
         ],
     },
     Figures {
-        name: "processes",
+        name: "many-processes",
         places: &[at("docs/distributed.md", "What does not scale yet")],
         commands: &[
             "ltbw simulate --processors 128 --points 7680000 --latency 10us --as-processes",
