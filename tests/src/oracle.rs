@@ -5,6 +5,8 @@
 //! test is a determinant by cofactors, the in-circle test is an in-sphere test through an apex over
 //! the circle's plane. Cost: microseconds per predicate, O(n^5) for a triangulation.
 
+// A feature of the crate below `rug` leaves out the tests of GMP itself, half of its build.
+use gmp_mpfr_sys as _;
 use ltbw::{Point, Sign};
 use rug::Integer;
 use std::array::from_fn;
