@@ -59,7 +59,7 @@ fn in_parts(
 ) -> Ends {
     let whole = (&ready.domain, &ready.lattice);
     let ends = on_team(members, |team| {
-        let (token, parallel) = (CancelToken::new(), Parallel::new(members));
+        let (token, parallel) = (CancelToken::new(), Parallel::new(members).among_processes());
         let threads = (&parallel.cancel(&token), &token);
         let wishes = Wishes { in_parts: true, markers, ..Wishes::default() };
         let end = rounds_on_team(refiner, whole, threads, team, wishes).expect("a mesh");

@@ -123,7 +123,8 @@ fn on_teams_of(
         let ownership = Ownership::Newest;
         let layout = Layout { ownership, redeal, ..Layout::new(0, members) };
         let ends = on_team(members, |team| {
-            let (token, parallel) = (CancelToken::new(), Parallel::new(members).layout(layout));
+            let (token, parallel) =
+                (CancelToken::new(), Parallel::new(members).among_processes().layout(layout));
             let threads = (&parallel.cancel(&token), &token);
             rounds_on_team(refiner, whole, threads, team, Wishes::default())
         });
@@ -234,7 +235,7 @@ fn a_refinement_that_is_stopped_at_one_member_is_stopped() {
     let refiner = Refiner::new().max_volume(1e-3).start(0);
     for victim in 0..2 {
         let ends = on_team(2, |team| {
-            let (token, parallel) = (CancelToken::new(), Parallel::new(2));
+            let (token, parallel) = (CancelToken::new(), Parallel::new(2).among_processes());
             if team.me() == WorkerId::new(victim) {
                 token.cancel();
             }
@@ -266,7 +267,7 @@ fn letters() -> [Vec<Vec<u8>>; 2] {
     let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
     let refiner = Refiner::new().max_volume(3e-4).start(0);
     let of_domain = recorded(3, Kind::Mail, |team| {
-        let (token, parallel) = (CancelToken::new(), Parallel::new(3));
+        let (token, parallel) = (CancelToken::new(), Parallel::new(3).among_processes());
         let whole = (&ready.domain, &ready.lattice);
         let none = Wishes::default();
         rounds_on_team(&refiner, whole, (&parallel, &token), team, none).expect("a mesh");
