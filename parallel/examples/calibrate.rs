@@ -18,7 +18,7 @@
 use ltbw::PointSet;
 use ltbw::domain::PrepareOptions;
 use ltbw::mesh::{Layout, LocalMesh, PointQueue, WireVertex};
-use ltbw::protocol::{Config, Correct, Costs, Event, Submesh, Worker};
+use ltbw::protocol::{Config, Costs, Event, Submesh, Worker};
 use ltbw::refine::Refiner;
 use ltbw::refining::simulate_rounds;
 use ltbw::simulate::{CostModel, Options};
@@ -79,7 +79,7 @@ fn looks(model: &CostModel) -> Result<f64, Failure> {
         let options = Options { costs, ..Options::default() };
         let layout = |points| (Layout::new(points, 1), Config::new(1));
         let whole = (&ready.domain, &ready.lattice);
-        let run = simulate_rounds::<Correct>(&refiner, whole, layout, &options)?;
+        let run = simulate_rounds(&refiner, whole, &layout, &options)?;
         let makespan = run.summary.map_or(0, |summary| summary.makespan);
         Ok::<f64, Failure>(makespan as f64)
     };

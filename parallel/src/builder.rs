@@ -202,9 +202,9 @@ impl<'a> Builder<'a> {
     /// As [`Parallel::build_on`]; a team has no budget.
     #[cfg(feature = "wire")]
     #[doc(hidden)]
-    pub fn build_on<P: crate::team::Post>(
+    pub fn build_on(
         &self,
-        team: &mut crate::team::Team<P>,
+        team: &mut crate::team::Team,
         slice: &crate::distributed::Slice,
     ) -> Result<crate::threads::BuiltPart, RunError> {
         if self.budget != Budget::default() {

@@ -4,7 +4,7 @@
 use crate::refining_rounds::{options, same, simulated};
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::Layout;
-use ltbw::protocol::{Config, Correct};
+use ltbw::protocol::Config;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw::refining::{Ending, rounds_on_threads, simulate_rounds};
 use ltbw::simulate::Options;
@@ -77,7 +77,7 @@ fn rounds_with_circles_and_blocks_that_are_cancelled_end() {
         let whole = (&ready.domain, &ready.lattice);
         let run = |cancel| {
             let options = Options { cancel, ..options(10_000) };
-            simulate_rounds::<Correct>(&refiner, whole, layout, &options)
+            simulate_rounds(&refiner, whole, &layout, &options)
         };
         let all = run(None).expect("a run ends");
         let makespan = all.summary.expect("rounds").makespan;

@@ -5,7 +5,7 @@ use crate::refining_patches::surface;
 use ltbw::balance::Balance;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
-use ltbw::protocol::{Closure, Config, Correct, Rule, WorkerId};
+use ltbw::protocol::{Closure, Config, Rule, WorkerId};
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw::refining::{SimulatedDomain, domain_on_threads, simulate_domain};
 use ltbw::simulate::{Bursts, Distribution, Network, Options, RandomMigrations};
@@ -125,7 +125,7 @@ impl Run {
         let options = Options { network, seed, check_every: 5003, ..Options::default() };
         let refiner = Refiner::new().max_volume(volume).start(start);
         let domain = (&ready.domain, &ready.lattice);
-        simulate_domain::<Correct>(&refiner, domain, layout, &options).expect("a run ends")
+        simulate_domain(&refiner, domain, &layout, &options).expect("a run ends")
     }
 }
 
@@ -226,7 +226,7 @@ fn blocks_move_with_their_boundary() {
             };
             let refiner = Refiner::new().max_volume(volume).start(0);
             let domain = (&ready.domain, &ready.lattice);
-            let run = simulate_domain::<Correct>(&refiner, domain, layout, &options);
+            let run = simulate_domain(&refiner, domain, &layout, &options);
             let run = run.expect("a run ends");
             check(&format!("{kind:?}, seed {seed}"), &ready, volume, &run);
             moved += run.summary.workers.iter().map(|own| own.migrations).sum::<u64>();
@@ -257,7 +257,7 @@ fn the_papers_rule_refines_domains_too() {
                 let options = Options { network, max_events: 20_000_000, ..Options::default() };
                 let refiner = Refiner::new().max_volume(volume).start(start);
                 let domain = (&ready.domain, &ready.lattice);
-                let run = simulate_domain::<Correct>(&refiner, domain, layout, &options);
+                let run = simulate_domain(&refiner, domain, &layout, &options);
                 let run = run.expect("a run ends");
                 let name = format!("{kind:?} on {processors}, {latency} ns");
                 check_mesh(&name, &ready, volume, &run.refined);
@@ -300,7 +300,7 @@ fn what_is_at_small_angles_and_patches_is_left_to_the_engine() {
     ] {
         let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(volume).start(start);
         let domain = (&ready.domain, &ready.lattice);
-        let run = simulate_domain::<Correct>(&refiner, domain, layout, &Options::default());
+        let run = simulate_domain(&refiner, domain, &layout, &Options::default());
         let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));
         let splits = run.splits;
         let inserted: u64 = splits.inserted.iter().sum();
@@ -325,7 +325,7 @@ fn a_sizing_field_is_met() {
     let layout = |points| (Layout::new(points, 6), Config::new(6));
     let refiner = Refiner::new().sizing(&field).start(0);
     let domain = (&ready.domain, &ready.lattice);
-    let run = simulate_domain::<Correct>(&refiner, domain, layout, &Options::default());
+    let run = simulate_domain(&refiner, domain, &layout, &Options::default());
     let run = run.expect("a run ends");
     assert_eq!((run.splits.refused, run.refined.outcome), ([0, 0], RefineOutcome::Met));
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
@@ -341,7 +341,7 @@ fn a_budget_ends_a_run() {
     let refiner = Refiner::new().max_volume(1e-4).max_points(200).start(0);
     let layout = |points| (Layout::new(points, 4), Config::new(4));
     let domain = (&ready.domain, &ready.lattice);
-    let run = simulate_domain::<Correct>(&refiner, domain, layout, &Options::default());
+    let run = simulate_domain(&refiner, domain, &layout, &Options::default());
     let run = run.expect("a run ends");
     assert!(run.splits.refused[1] > 50, "{:?}", run.splits);
     assert_eq!(run.refined.outcome, RefineOutcome::Budget);
@@ -419,11 +419,11 @@ fn a_run_that_is_cancelled_at_any_time_ends() {
         let network = Network { latency: 100_000, ..Network::default() };
         let options =
             |cancel| Options { network, cancel, max_events: 5_000_000, ..Options::default() };
-        let whole = simulate_domain::<Correct>(&refiner, domain, layout, &options(None));
+        let whole = simulate_domain(&refiner, domain, &layout, &options(None));
         let makespan = whole.expect("a run ends").summary.makespan;
         for part in (1..40).step_by(4) {
             let options = options(Some(makespan * part / 40));
-            let run = simulate_domain::<Correct>(&refiner, domain, layout, &options);
+            let run = simulate_domain(&refiner, domain, &layout, &options);
             let run = run.unwrap_or_else(|error| panic!("{rule}, {part} of 40: {error}"));
             // The engine goes on where the processors have stopped.
             assert_eq!(run.refined.outcome, RefineOutcome::Met, "{rule}, {part} of 40");

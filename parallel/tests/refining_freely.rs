@@ -4,7 +4,7 @@
 use crate::refining_patches::surface;
 use ltbw::domain::Prepared;
 use ltbw::mesh::Layout;
-use ltbw::protocol::{Config, Correct};
+use ltbw::protocol::Config;
 use ltbw::refine::{RefineOutcome, Refiner};
 use ltbw::refining::{SimulatedDomain, domain_on_threads, simulate_domain};
 use ltbw::simulate::Options;
@@ -16,7 +16,7 @@ fn simulated(refiner: &Refiner<'_>, ready: &Prepared, processors: u32) -> Simula
     let config = Config { window: 16, ..Config::new(processors) };
     let layout = |points| (Layout::new(points, processors), config);
     let whole = (&ready.domain, &ready.lattice);
-    let run = simulate_domain::<Correct>(refiner, whole, layout, &Options::default());
+    let run = simulate_domain(refiner, whole, &layout, &Options::default());
     run.expect("a run ends")
 }
 

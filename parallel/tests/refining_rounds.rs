@@ -5,7 +5,9 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership, Redeal};
 use ltbw::protocol::{Config, Correct, Rules, WorkerId};
 use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
-use ltbw::refining::{Ending, RefineError, SimulatedRounds, rounds_on_threads, simulate_rounds};
+use ltbw::refining::{
+    Ending, RefineError, SimulatedRounds, rounds_on_threads, simulate_rounds, simulate_rounds_as,
+};
 use ltbw::simulate::{Bursts, Network, Options};
 use ltbw::threads::Parallel;
 use ltbw::{BuildError, Builder, CancelToken, Mesh, MeshHash, Point, PointSet, invariants};
@@ -51,7 +53,7 @@ pub(crate) fn simulated_by<C: Rules>(
     options.check_every = 20_000;
     let layout = |points| (Layout::new(points, processors), Config::new(processors));
     let whole = (&ready.domain, &ready.lattice);
-    simulate_rounds::<C>(refiner, whole, layout, &options)
+    simulate_rounds_as::<C>(refiner, whole, layout, &options)
 }
 
 pub(crate) fn same(name: &str, one: &Refined, other: &Refined) {
@@ -122,7 +124,7 @@ fn redealt(name: &str, refiner: &Refiner<'_>, ready: &Prepared, engine: &Refined
         (layout, Config::new(5))
     };
     let options = Options { check_every: 20_000, ..options(1_200) };
-    let run = simulate_rounds::<Correct>(refiner, whole, layout, &options).expect("a run ends");
+    let run = simulate_rounds(refiner, whole, &layout, &options).expect("a run ends");
     same(&format!("{name}, cuts move on processors"), &run.refined, engine);
 }
 
@@ -258,7 +260,7 @@ fn bursts_slow_and_many_processors_change_nothing() {
             (layout, Config::new(processors))
         };
         let whole = (&ready.domain, &ready.lattice);
-        let run = simulate_rounds::<Correct>(&refiner, whole, layout, &options);
+        let run = simulate_rounds(&refiner, whole, &layout, &options);
         let run = run.unwrap_or_else(|e| panic!("{processors} {ownership:?}: {e}"));
         same(&format!("{processors} {ownership:?}"), &run.refined, &engine);
     }

@@ -4,13 +4,14 @@ use ltbw::Point;
 use ltbw::distributed::{Slice, SliceError};
 use ltbw::protocol::WorkerId;
 use ltbw::team::{Kind, Post, Team, Threads, threads};
+use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
 
 /// Runs every member of a team on a thread of its own; what comes of it, by member.
 ///
 /// # Panics
 /// If a member does.
-pub fn on_team<R: Send>(members: u32, member: impl Fn(&mut Team<Threads>) -> R + Sync) -> Vec<R> {
+pub fn on_team<R: Send>(members: u32, member: impl Fn(&mut Team) -> R + Sync) -> Vec<R> {
     std::thread::scope(|scope| {
         let member = &member;
         let run = |post| scope.spawn(move || member(&mut Team::new(post)));
@@ -23,7 +24,7 @@ pub fn on_team<R: Send>(members: u32, member: impl Fn(&mut Team<Threads>) -> R +
 ///
 /// # Errors
 /// As [`Slice::new`].
-pub fn try_slice<P: Post>(team: &mut Team<P>, points: &[Point]) -> Result<Slice, SliceError> {
+pub fn try_slice(team: &mut Team, points: &[Point]) -> Result<Slice, SliceError> {
     let end = |k: usize| k * points.len() / team.size() as usize;
     let me = team.me().index();
     let own = points[end(me)..end(me + 1)].to_vec();
@@ -34,20 +35,18 @@ pub fn try_slice<P: Post>(team: &mut Team<P>, points: &[Point]) -> Result<Slice,
 ///
 /// # Panics
 /// If they are not.
-pub fn slice_of<P: Post>(team: &mut Team<P>, points: &[Point]) -> Slice {
+pub fn slice_of(team: &mut Team, points: &[Point]) -> Slice {
     try_slice(team, points).expect("finite points")
 }
 
-/// A post that keeps a copy of each letter of a kind that it sends.
-#[derive(Debug)]
-pub struct Recorded<P> {
-    inner: P,
+/// A post that gives away a copy of each letter of a kind that it sends.
+struct Recorded {
+    inner: Threads,
     kind: Kind,
-    /// The letters, in their order.
-    pub letters: Vec<Vec<u8>>,
+    letters: Sender<Vec<u8>>,
 }
 
-impl<P: Post> Post for Recorded<P> {
+impl Post for Recorded {
     fn me(&self) -> WorkerId {
         self.inner.me()
     }
@@ -58,7 +57,8 @@ impl<P: Post> Post for Recorded<P> {
 
     fn send(&mut self, to: WorkerId, kind: Kind, letter: Vec<u8>) {
         if kind == self.kind {
-            self.letters.push(letter.clone());
+            // The receiver is gone if a member has panicked.
+            _ = self.letters.send(letter.clone());
         }
         self.inner.send(to, kind, letter);
     }
@@ -88,18 +88,14 @@ impl<P: Post> Post for Recorded<P> {
 ///
 /// # Panics
 /// If a member does.
-pub fn recorded(
-    members: u32,
-    kind: Kind,
-    member: impl Fn(&mut Team<Recorded<Threads>>) + Sync,
-) -> Vec<Vec<Vec<u8>>> {
+pub fn recorded(members: u32, kind: Kind, member: impl Fn(&mut Team) + Sync) -> Vec<Vec<Vec<u8>>> {
     std::thread::scope(|scope| {
         let member = &member;
         let run = |inner| {
             scope.spawn(move || {
-                let mut team = Team::new(Recorded { inner, kind, letters: Vec::new() });
-                member(&mut team);
-                std::mem::take(&mut team.post().letters)
+                let (letters, sent) = channel();
+                member(&mut Team::new(Recorded { inner, kind, letters }));
+                sent.into_iter().collect()
             })
         };
         let all: Vec<_> = threads(members).into_iter().map(run).collect();

@@ -5,7 +5,7 @@ use ltbw::distributed::{self, Hashed};
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::refine::{RefineOutcome, RefineStats, Refined, Refiner};
 use ltbw::refining::{Late, RefinedPart, TeamRounds, Wishes, rounds_on_team};
-use ltbw::team::{Post, Team};
+use ltbw::team::Team;
 use ltbw::threads::Parallel;
 use ltbw::{BoundaryFace, CancelToken, TetMesh, canonical_hash};
 use ltbw_cli::plc_of;
@@ -32,8 +32,8 @@ enum Ends {
 
 /// The checker's findings of a mesh in parts. Of the last part a region is another one if it is
 /// `spoilt`.
-fn judged<P: Post>(
-    team: &mut Team<P>,
+fn judged(
+    team: &mut Team,
     own: &RefinedPart,
     ready: &Prepared,
     spoilt: bool,

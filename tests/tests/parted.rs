@@ -3,7 +3,7 @@
 
 use ltbw::distributed::{self, Hashed, Part, Slice};
 use ltbw::io::{self, Arrays, Border, PartOf, Piece};
-use ltbw::team::{Post, Team};
+use ltbw::team::Team;
 use ltbw::{Builder, CancelToken, Point, PointSet, TetMesh, canonical_hash};
 use ltbw_cli::ranks::Judge;
 use ltbw_generate::{PointKind, generate};
@@ -62,7 +62,7 @@ fn families_on_teams_have_the_sequential_hash() {
 }
 
 /// The checker's report on a mesh in parts.
-fn judged<P: Post>(team: &mut Team<P>, part: &Part, slice: &Slice) -> verify::Report {
+fn judged(team: &mut Team, part: &Part, slice: &Slice) -> verify::Report {
     let Part { numbers, points, tets, .. } = part;
     let own = verify::Part { points, numbers, tets, given: slice.points() };
     let options = verify::Options { all_points: true, ..verify::Options::default() };

@@ -6,7 +6,7 @@
 
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::Layout;
-use ltbw::protocol::{Config, Correct};
+use ltbw::protocol::Config;
 use ltbw::refine::{Refined, Refiner, usual_tolerance};
 use ltbw::refining::{rounds_on_threads, simulate_rounds};
 use ltbw::simulate::{Distribution, Network, Options};
@@ -54,7 +54,7 @@ impl<'a> Case<'a> {
             let options = Options { network, max_events: 1_000_000_000, ..Options::default() };
             let layout = |points| (Layout::new(points, processors), Config::new(processors));
             let whole = (&self.ready.domain, &self.ready.lattice);
-            let run = simulate_rounds::<Correct>(&self.refiner, whole, layout, &options);
+            let run = simulate_rounds(&self.refiner, whole, &layout, &options);
             let run = run.unwrap_or_else(|e| panic!("{name}: {e}"));
             same_refined(&name, &run.refined, &self.engine);
             assert!(run.ending.is_err() || run.figures.points > 0, "{name}");

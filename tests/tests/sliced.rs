@@ -3,7 +3,7 @@
 
 use ltbw::distributed::{self, Points, Slice, SliceError};
 use ltbw::domain::Thickness;
-use ltbw::team::{Post, Team};
+use ltbw::team::Team;
 use ltbw::threads::{BuiltPart, RunError};
 use ltbw::{Budget, Builder, Point, PointError, PointSet};
 use ltbw_generate::{PointKind, generate};
@@ -11,7 +11,7 @@ use ltbw_tests::families::{mixed_exponents, subnormal_grid};
 use ltbw_tests::teams::{on_team, slice_of, try_slice};
 
 /// A member's slice, if all points are that of one of them.
-fn of_one<P: Post>(team: &mut Team<P>, points: &[Point], whose: u32) -> Slice {
+fn of_one(team: &mut Team, points: &[Point], whose: u32) -> Slice {
     let own = if team.me().number() == whose { points.to_vec() } else { Vec::new() };
     Slice::new(team, own).expect("finite points")
 }
@@ -22,7 +22,7 @@ fn compare(name: &str, points: &[Point], members: &[u32]) {
     let expected = Builder::new().build(&set).expect("a mesh");
     let hash = expected.mesh.hash().expect("a hash");
     for &members in members {
-        let build = |team: &mut Team<_>, slice: &Slice| -> BuiltPart {
+        let build = |team: &mut Team, slice: &Slice| -> BuiltPart {
             let built = Builder::new().build_on(team, slice).expect("a mesh");
             let found = distributed::hash(team, &built.part).expect("a hash").hash;
             assert_eq!(found, hash, "{name} on {members}");

@@ -7,7 +7,7 @@ use ltbw::mesh::{Layout, LocalMesh, Ownership, Redeal};
 use ltbw::protocol::WorkerId;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw::refining::{DomainMesh, Ending, RoundFigures, TeamRounds, Wishes, rounds_on_team};
-use ltbw::team::{Kind, LONGEST, Post, Team};
+use ltbw::team::{Kind, LONGEST, Post, Team, Threads};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::transport::Mail;
 use ltbw::wire::{Wire, charged, open};
@@ -258,7 +258,7 @@ fn a_refinement_that_is_stopped_at_one_member_is_stopped() {
 /// All letters of runs on three members: about points, and about a domain.
 fn letters() -> [Vec<Vec<u8>>; 2] {
     let set = uniform(3000);
-    let run = |team: &mut Team<_>| {
+    let run = |team: &mut Team| {
         let slice = slice_of(team, set.points());
         Builder::new().build_on(team, &slice).expect("a mesh");
     };
@@ -427,9 +427,9 @@ fn news_within_news_within_news_are_refused() {
 }
 
 /// A post that changes what it sends.
-struct Garbled<P>(P);
+struct Garbled(Threads);
 
-impl<P: Post> Post for Garbled<P> {
+impl Post for Garbled {
     fn me(&self) -> WorkerId {
         self.0.me()
     }

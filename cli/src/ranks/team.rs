@@ -13,7 +13,7 @@ use ltbw::io::{Border, Piece};
 use ltbw::protocol::WorkerId;
 use ltbw::refine::Refiner;
 use ltbw::refining::{Checkpoints, RefineError, TeamRounds, Wishes, rounds_on_team};
-use ltbw::team::{LetterFigures, Post, Team, TeamError};
+use ltbw::team::{LetterFigures, Team, TeamError};
 use ltbw::threads::{BuiltPart, RunError};
 use ltbw::wire::{VERSION, WireError};
 use ltbw::{Builder, Point};
@@ -49,8 +49,8 @@ struct Hello {
 }
 
 /// The team, and how far it has come.
-struct Member<'t, P> {
-    team: RefCell<&'t mut Team<P>>,
+struct Member<'t> {
+    team: RefCell<&'t mut Team>,
     /// All have agreed to begin, or not to.
     has_agreed: Cell<bool>,
     /// The team is not one any more.
@@ -76,7 +76,7 @@ impl Kept {
     }
 }
 
-impl<P: Post> Member<'_, P> {
+impl Member<'_> {
     /// Tells this process's word, and hears all: each finds the same, the first refusal if there
     /// is one.
     fn speak(&self, own: &Word) -> Result<(), Failure> {
@@ -106,7 +106,7 @@ impl<P: Post> Member<'_, P> {
     }
 }
 
-impl<P: Post> Ranks for Member<'_, P> {
+impl Ranks for Member<'_> {
     fn size(&self) -> u32 {
         self.team.borrow().size()
     }
@@ -124,7 +124,7 @@ impl<P: Post> Ranks for Member<'_, P> {
     }
 }
 
-impl<P: Post> Apart for Member<'_, P> {
+impl Apart for Member<'_> {
     fn size(&self) -> u32 {
         self.team.borrow().size()
     }
@@ -252,9 +252,9 @@ impl<P: Post> Apart for Member<'_, P> {
 
 /// The way of the checker, which knows nothing of teams.
 #[derive(Debug)]
-pub struct Judge<'t, P>(pub &'t mut Team<P>);
+pub struct Judge<'t>(pub &'t mut Team);
 
-impl<P: Post> verify::Exchange for Judge<'_, P> {
+impl verify::Exchange for Judge<'_> {
     type Error = TeamError;
 
     fn me(&self) -> usize {
@@ -293,7 +293,7 @@ fn hello(words: &[OsString]) -> Hello {
 }
 
 /// Finds out whether all processes are of one build, and have one command line.
-fn introduce<P: Post>(team: &mut Team<P>, words: &[OsString]) -> Result<(), Failure> {
+fn introduce(team: &mut Team, words: &[OsString]) -> Result<(), Failure> {
     let other = |rank: usize, what: &str| Failure::Agreed {
         code: Exit::Usage as u8,
         why: format!("rank {rank} has another {what} than rank 0"),
@@ -316,7 +316,7 @@ fn introduce<P: Post>(team: &mut Team<P>, words: &[OsString]) -> Result<(), Fail
 
 /// Runs the program on the command line of this process, as one of a team. The checkpoints of the
 /// first one count.
-pub fn run<P: Post>(team: &mut Team<P>, checkpoint: Option<Checkpoint>) -> Ended {
+pub fn run(team: &mut Team, checkpoint: Option<Checkpoint>) -> Ended {
     let words: Vec<OsString> = std::env::args_os().collect();
     let is_first = team.is_first();
     if let Err(failure) = machine::watch().and_then(|()| introduce(team, &words)) {
@@ -367,7 +367,7 @@ pub fn run<P: Post>(team: &mut Team<P>, checkpoint: Option<Checkpoint>) -> Ended
 }
 
 /// Says for people what processes have sent each other.
-fn print_letters<P: Post>(team: &mut Team<P>) -> Result<(), TeamError> {
+fn print_letters(team: &mut Team) -> Result<(), TeamError> {
     let mut sum = LetterFigures::default();
     let own = team.figures();
     team.gather_values(&own)?.into_iter().flatten().for_each(|own| sum.add(&own));
@@ -382,7 +382,7 @@ fn print_letters<P: Post>(team: &mut Team<P>) -> Result<(), TeamError> {
 }
 
 /// Understands the command, and runs it.
-fn begin<P: Post>(mut args: Args, member: &Member<'_, P>, is_first: bool) -> Result<Exit, Failure> {
+fn begin(mut args: Args, member: &Member<'_>, is_first: bool) -> Result<Exit, Failure> {
     match &mut args.command {
         Command::Delaunay(_) if member.kept.is_some() => {
             let text =
@@ -412,7 +412,7 @@ fn tell(is_first: bool, failure: &Failure) {
 }
 
 /// Says why this process ends, while others may wait for it.
-fn alone<P: Post>(team: &Team<P>, failure: &Failure) -> Ended {
+fn alone(team: &Team, failure: &Failure) -> Ended {
     console::aloud(&format!("ltbw: rank {}: {failure}", team.me().number()));
     Ended::Alone(failure.code())
 }

@@ -13,7 +13,7 @@ use crate::surface::Preparation;
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::metrics::Summary;
-use ltbw::protocol::{Closure, Config, Correct};
+use ltbw::protocol::{Closure, Config};
 use ltbw::refine::{RefineOutcome, Refiner};
 use ltbw::refining::{Ending, SimulatedRounds, simulate_rounds};
 use ltbw::simulate::{Around, Options, Whole};
@@ -94,7 +94,7 @@ fn attempt(
     let run = |processors: u32, options: &Options| {
         let planned = |points| planned_run(args, points, processors);
         let _stage = Stage::begin("simulate");
-        simulate_rounds::<Correct>(&refiner, (&ready.domain, &ready.lattice), planned, options)
+        simulate_rounds(&refiner, (&ready.domain, &ready.lattice), &planned, options)
             .map_err(|error| failure_of(path, error))
     };
     let stage = Stage::begin("refine");

@@ -12,7 +12,6 @@ use crate::progress::Stage;
 use crate::rounds::START;
 use ltbw::TetMesh;
 use ltbw::domain::Prepared;
-use ltbw::protocol::Correct;
 use ltbw::refine::{RefineOutcome, Refined};
 use ltbw::refining::{SimulatedDomain, simulate_domain};
 use ltbw::simulate::{Around, Options, Whole};
@@ -48,7 +47,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         let planned = |points| planned_run(args, points, processors);
         let _stage = Stage::begin("simulate");
         let domain = (&ready.domain, &ready.lattice);
-        simulate_domain::<Correct>(&refiner, domain, planned, options)
+        simulate_domain(&refiner, domain, &planned, options)
             .map_err(|error| failure_of(path, error))
     };
     let done = run(args.processors, &options)?;

@@ -3,7 +3,7 @@
 use super::Slice;
 use super::records::{Record, bytes_of, refused, values_of};
 use crate::protocol::WorkerId;
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use rayon::prelude::*;
 
 /// The answers to what this member asks for, `asked`, ascending. Member k knows the numbers from
@@ -12,14 +12,13 @@ use rayon::prelude::*;
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-pub(crate) fn ask<P, R>(
-    team: &mut Team<P>,
+pub(crate) fn ask<R>(
+    team: &mut Team,
     asked: &[u32],
     firsts: &[u64],
     answer: impl Fn(u32) -> Option<R> + Sync,
 ) -> Result<Vec<R>, TeamError>
 where
-    P: Post,
     R: Record + Send,
 {
     let mut questions = Vec::with_capacity(team.size() as usize);
@@ -60,8 +59,8 @@ where
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-pub fn tags<P: Post>(
-    team: &mut Team<P>,
+pub fn tags(
+    team: &mut Team,
     slice: &Slice,
     tags: Option<&[i64]>,
     numbers: &[u32],

@@ -2,7 +2,7 @@
 
 use super::records::{Record, bytes_of, refused, values_of};
 use crate::protocol::WorkerId;
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use ltbw_formats::{Border, BorderError, Bordering, PartOf, Piece, Words};
 
 /// The border of this member's part: all that it has in common with those of others.
@@ -11,7 +11,7 @@ use ltbw_formats::{Border, BorderError, Bordering, PartOf, Piece, Words};
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, has a part that is none, or has sent what makes no sense.
-pub fn border<P: Post>(team: &mut Team<P>, piece: &Piece) -> Result<Border, TeamError> {
+pub fn border(team: &mut Team, piece: &Piece) -> Result<Border, TeamError> {
     let found = border_of(team, piece);
     if found.is_err() {
         // Others may wait for this one.
@@ -20,7 +20,7 @@ pub fn border<P: Post>(team: &mut Team<P>, piece: &Piece) -> Result<Border, Team
     found
 }
 
-fn border_of<P: Post>(team: &mut Team<P>, piece: &Piece) -> Result<Border, TeamError> {
+fn border_of(team: &mut Team, piece: &Piece) -> Result<Border, TeamError> {
     let place = PartOf { part: team.me().index(), of: team.size() as usize };
     let (mut own, words) = Bordering::begin(piece, place).map_err(odd)?;
     let asked = exchange(team, words)?;
@@ -33,7 +33,7 @@ fn border_of<P: Post>(team: &mut Team<P>, piece: &Piece) -> Result<Border, TeamE
 }
 
 /// Words of all members for this one.
-fn exchange<P: Post>(team: &mut Team<P>, words: Words) -> Result<Words, TeamError> {
+fn exchange(team: &mut Team, words: Words) -> Result<Words, TeamError> {
     let bytes = words.into_iter().map(|words| bytes_of(words.into_iter())).collect();
     let bytes = team.exchange(bytes)?;
     let each = WorkerId::below(team.size()).zip(&bytes);

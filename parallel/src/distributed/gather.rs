@@ -4,7 +4,7 @@
 use super::records::{Record, bytes_of, refused, values_of};
 use super::{Part, Slice};
 use crate::protocol::WorkerId;
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use ltbw_core::Vertex;
 use ltbw_exact::Point;
 
@@ -31,11 +31,7 @@ pub struct Points {
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-pub fn gather<P: Post>(
-    team: &mut Team<P>,
-    part: &Part,
-    points: usize,
-) -> Result<Option<Gathered>, TeamError> {
+pub fn gather(team: &mut Team, part: &Part, points: usize) -> Result<Option<Gathered>, TeamError> {
     let mut whole = Gathered::default();
     for from in WorkerId::below(team.size()) {
         // One after the other: the first one has the bytes of one part at a time.
@@ -64,8 +60,8 @@ pub fn gather<P: Post>(
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-pub fn gather_points<P: Post>(
-    team: &mut Team<P>,
+pub fn gather_points(
+    team: &mut Team,
     slice: &Slice,
     tags: Option<&[i64]>,
 ) -> Result<Option<Points>, TeamError> {
@@ -87,7 +83,7 @@ pub fn gather_points<P: Post>(
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-pub fn deal<P: Post>(team: &mut Team<P>, whole: Option<Points>) -> Result<Points, TeamError> {
+pub fn deal(team: &mut Team, whole: Option<Points>) -> Result<Points, TeamError> {
     let first = WorkerId::default();
     let has_tags = whole.as_ref().map(|whole| whole.tags.is_some());
     let has_tags = team.tell_value(has_tags.or_else(|| team.is_first().then_some(false)))?;
@@ -119,8 +115,8 @@ pub fn deal<P: Post>(team: &mut Team<P>, whole: Option<Points>) -> Result<Points
 }
 
 /// Values of all members at the first one, by member; one after the other.
-fn to_first<P: Post, R: Record>(
-    team: &mut Team<P>,
+fn to_first<R: Record>(
+    team: &mut Team,
     own: impl ExactSizeIterator<Item = R>,
 ) -> Result<Option<Vec<R>>, TeamError> {
     if !team.is_first() {

@@ -9,7 +9,7 @@ use super::records::{bytes_of, refused, values_of};
 use super::sort::stretch_of;
 use super::stream::HashStream;
 use crate::protocol::WorkerId;
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use ltbw_core::MeshHash;
 use ltbw_exact::Point;
 use ltbw_exact::points::{ascending, of_ascending};
@@ -35,7 +35,7 @@ type Key = [u64; 3];
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-pub fn hash<P: Post>(team: &mut Team<P>, part: &Part) -> Result<Hashed, TeamError> {
+pub fn hash(team: &mut Team, part: &Part) -> Result<Hashed, TeamError> {
     let hashed = hash_whole(team, part);
     if hashed.is_err() {
         // Others may wait for this one.
@@ -44,7 +44,7 @@ pub fn hash<P: Post>(team: &mut Team<P>, part: &Part) -> Result<Hashed, TeamErro
     hashed
 }
 
-fn hash_whole<P: Post>(team: &mut Team<P>, part: &Part) -> Result<Hashed, TeamError> {
+fn hash_whole(team: &mut Team, part: &Part) -> Result<Hashed, TeamError> {
     let Numbered { stretch, numbers, vertices } = numbered(team, &part.points)?;
     let number_of = |tet: &[u32; 4]| {
         let mut row = tet.map(|v| numbers[v as usize]);
@@ -85,7 +85,7 @@ struct Numbered {
 }
 
 /// Numbers the vertices of all parts by their coordinates; those at one place are one.
-fn numbered<P: Post>(team: &mut Team<P>, points: &[Point]) -> Result<Numbered, TeamError> {
+fn numbered(team: &mut Team, points: &[Point]) -> Result<Numbered, TeamError> {
     let mut sorted: Vec<(Key, u32)> =
         points.par_iter().map(ascending).zip(0..points.len() as u32).collect();
     sorted.par_sort_unstable();
@@ -133,8 +133,8 @@ fn sum(counts: &[u64]) -> u64 {
 }
 
 /// Feeds a hash at every member in turn; its state at the end.
-fn feed<P: Post>(
-    team: &mut Team<P>,
+fn feed(
+    team: &mut Team,
     state: Vec<u8>,
     own: impl FnOnce(&mut HashStream),
 ) -> Result<Vec<u8>, TeamError> {

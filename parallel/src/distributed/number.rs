@@ -4,7 +4,7 @@
 use super::records::{bytes_of, refused, values_of};
 use super::sort::stretch_cut;
 use crate::protocol::WorkerId;
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use ltbw_core::order::{Curve, bounding_box};
 use ltbw_exact::Point;
 use ltbw_exact::points::{ascending, of_ascending};
@@ -37,8 +37,8 @@ pub(crate) struct Numbered {
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-pub(crate) fn number<P: Post>(
-    team: &mut Team<P>,
+pub(crate) fn number(
+    team: &mut Team,
     own: &[Unnumbered],
     first: u32,
 ) -> Result<Numbered, TeamError> {

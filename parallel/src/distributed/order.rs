@@ -10,7 +10,7 @@ use super::Slice;
 use super::records::{bytes_of, refused, values_of};
 use super::sort::stretch_of;
 use crate::protocol::WorkerId;
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use ltbw_core::build::is_independent;
 use ltbw_core::order::{Curve, hilbert};
 use ltbw_core::submesh::{Extent, MeshParams};
@@ -52,7 +52,7 @@ struct Ends {
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-pub fn order<P: Post>(team: &mut Team<P>, slice: &Slice) -> Result<Ordered, TeamError> {
+pub fn order(team: &mut Team, slice: &Slice) -> Result<Ordered, TeamError> {
     let mode = slice.mode();
     let kernel: Vec<Point> = slice.points().par_iter().map(|&p| mode.to_kernel(p)).collect();
     let all: Vec<Extent> = team.gather_all(&Extent::of(&kernel, mode))?;
@@ -110,7 +110,7 @@ struct Distinct {
 }
 
 /// Leaves out points that are at the place of another one, here or in a stretch before.
-fn distinct<P: Post>(team: &mut Team<P>, sorted: &[Keyed]) -> Result<Distinct, TeamError> {
+fn distinct(team: &mut Team, sorted: &[Keyed]) -> Result<Distinct, TeamError> {
     let ends = sorted.last().map(|own| {
         let last = place_of(own);
         let first = sorted.partition_point(|other| other[..4] < own[..4]);
@@ -144,10 +144,7 @@ fn distinct<P: Post>(team: &mut Team<P>, sorted: &[Keyed]) -> Result<Distinct, T
 
 /// Moves sorted records so that each member has its exact share of all; what each has before its
 /// own, and all.
-fn share<P: Post>(
-    team: &mut Team<P>,
-    own: Vec<Record>,
-) -> Result<(Vec<u64>, Vec<Record>), TeamError> {
+fn share(team: &mut Team, own: Vec<Record>) -> Result<(Vec<u64>, Vec<Record>), TeamError> {
     let counts: Vec<u64> = team.gather_all(&(own.len() as u64))?;
     let sum = |counts: &[u64]| counts.iter().fold(0, |sum: u64, own| sum.saturating_add(*own));
     let (before, all) = (sum(&counts[..team.me().index()]), sum(&counts));
@@ -188,7 +185,7 @@ impl Ordered {
     ///
     /// # Errors
     /// [`TeamError`] if a member has failed.
-    pub fn independent<P: Post>(&self, team: &mut Team<P>) -> Result<Vec<Placed>, TeamError> {
+    pub fn independent(&self, team: &mut Team) -> Result<Vec<Placed>, TeamError> {
         let mut found: Vec<Placed> = Vec::new();
         while found.len() < 4 {
             let points: Vec<Point> = found.iter().map(|&(_, p)| p).collect();
@@ -214,9 +211,9 @@ impl Ordered {
     ///
     /// # Errors
     /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-    pub fn of_all<P: Post>(
+    pub fn of_all(
         &self,
-        team: &mut Team<P>,
+        team: &mut Team,
         numbers: impl Iterator<Item = u32>,
     ) -> Result<Vec<Placed>, TeamError> {
         let before = self.before(team.me());

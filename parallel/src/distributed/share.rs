@@ -2,7 +2,7 @@
 
 use super::records::{bytes_of, refused, values_of};
 use crate::protocol::WorkerId;
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 
 /// One side of a triangle at which another part may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,10 +17,7 @@ pub(crate) struct Side {
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-pub(crate) fn first_of_two<P: Post>(
-    team: &mut Team<P>,
-    own: &[Side],
-) -> Result<Vec<bool>, TeamError> {
+pub(crate) fn first_of_two(team: &mut Team, own: &[Side]) -> Result<Vec<bool>, TeamError> {
     let size = team.size();
     let member = |side: &Side| {
         let [a, b, c] = side.corners.map(u64::from);

@@ -1,6 +1,6 @@
 //! The points that are given, in slices: each member has one, and no member has them all.
 
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use ltbw_exact::points::{Magnitudes, check_count};
 use ltbw_exact::{Mode, Point, PointError};
 use serde::{Deserialize, Serialize};
@@ -48,7 +48,7 @@ impl Slice {
     /// # Errors
     /// [`SliceError`], the same at all members: the first point of all that is wrong, by its
     /// number among all.
-    pub fn new<P: Post>(team: &mut Team<P>, mut points: Vec<Point>) -> Result<Self, SliceError> {
+    pub fn new(team: &mut Team, mut points: Vec<Point>) -> Result<Self, SliceError> {
         let count = points.len() as u64;
         let found = Magnitudes::of(&mut points).map_err(|error| match error {
             PointError::NotFinite { index, axis, value } => {

@@ -2,7 +2,7 @@
 
 use super::records::{Record, bytes_of, refused, values_of};
 use crate::protocol::WorkerId;
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -15,9 +15,8 @@ const SAMPLES: usize = 64;
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent no such values.
-pub(super) fn stretch_of<P, R>(team: &mut Team<P>, own: &[R]) -> Result<Vec<Vec<R>>, TeamError>
+pub(super) fn stretch_of<R>(team: &mut Team, own: &[R]) -> Result<Vec<Vec<R>>, TeamError>
 where
-    P: Post,
     R: Record + Ord + Serialize + DeserializeOwned,
 {
     stretch_cut(team, own, |cut| cut)
@@ -28,13 +27,12 @@ where
 ///
 /// # Errors
 /// As of [`stretch_of`].
-pub(super) fn stretch_cut<P, R>(
-    team: &mut Team<P>,
+pub(super) fn stretch_cut<R>(
+    team: &mut Team,
     own: &[R],
     begin: impl Fn(R) -> R,
 ) -> Result<Vec<Vec<R>>, TeamError>
 where
-    P: Post,
     R: Record + Ord + Serialize + DeserializeOwned,
 {
     let cuts: Vec<R> = cuts(team, own)?.into_iter().map(begin).collect();
@@ -60,9 +58,8 @@ struct Samples<R> {
 
 /// The first values of all stretches but the first: the same at all members. The first one finds
 /// them, since many members have many samples.
-fn cuts<P, R>(team: &mut Team<P>, own: &[R]) -> Result<Vec<R>, TeamError>
+fn cuts<R>(team: &mut Team, own: &[R]) -> Result<Vec<R>, TeamError>
 where
-    P: Post,
     R: Record + Ord + Serialize + DeserializeOwned,
 {
     let count = own.len().min(SAMPLES);

@@ -1,7 +1,7 @@
 //! Whether the points of all members are nearly in one plane.
 
 use super::Slice;
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use ltbw_domain::Thickness;
 use ltbw_exact::Point;
 
@@ -10,10 +10,7 @@ use ltbw_exact::Point;
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed.
-pub fn thickness<P: Post>(
-    team: &mut Team<P>,
-    slice: &Slice,
-) -> Result<Option<Thickness>, TeamError> {
+pub fn thickness(team: &mut Team, slice: &Slice) -> Result<Option<Thickness>, TeamError> {
     let points = slice.points();
     let firsts: Vec<Option<Point>> = team.gather_all(&points.first().copied())?;
     let Some(first) = firsts.into_iter().flatten().next() else { return Ok(None) };

@@ -103,7 +103,21 @@ fn refine<'a, C: Rules, R>(
 ///
 /// # Errors
 /// [`RefineError`] if the domain has no mesh, or if the run has not ended properly.
-pub fn simulate_domain<C: Rules>(
+pub fn simulate_domain(
+    refiner: &Refiner<'_>,
+    whole: (&Domain, &Lattice),
+    layout: &dyn Fn(usize) -> (Layout, Config),
+    options: &Options,
+) -> Result<SimulatedDomain, RefineError> {
+    simulate_domain_as::<Correct>(refiner, whole, layout, options)
+}
+
+/// As [`simulate_domain`], under other rules: a known-bad variant, for checkers.
+///
+/// # Errors
+/// As [`simulate_domain`].
+#[doc(hidden)]
+pub fn simulate_domain_as<C: Rules>(
     refiner: &Refiner<'_>,
     (domain, lattice): (&Domain, &Lattice),
     layout: impl Fn(usize) -> (Layout, Config),

@@ -11,7 +11,9 @@ mod whole;
 pub use domain::{
     BadItems, DomainCargo, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, Splits,
 };
-pub use freely::{SimulatedDomain, ThreadedDomain, domain_on_threads, simulate_domain};
+pub use freely::{
+    SimulatedDomain, ThreadedDomain, domain_on_threads, simulate_domain, simulate_domain_as,
+};
 pub use news::{
     Ball, DomainNews, Entrant, Fate, KeysTold, Owned, PartEnd, ProbeId, Proposal, Report, Reported,
     Sums, WireAsked, WireClosure, WireCorner, WireItem, WireLent, WirePart, WireParted, WirePoint,
@@ -23,7 +25,8 @@ pub use rounds::{
 };
 pub use rounds::{
     Ending, Late, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN,
-    ThreadedRounds, Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds, unkilled,
+    ThreadedRounds, Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds,
+    simulate_rounds_as, unkilled,
 };
 pub use whole::Owners;
 

@@ -1,6 +1,6 @@
 //! The way of a worker's messages to workers elsewhere: in letters.
 
-use super::{Kind, Post, Team};
+use super::{Kind, Team};
 use crate::mailbox::Received;
 use crate::protocol::WorkerId;
 use crate::transport::Transport;
@@ -37,8 +37,8 @@ impl LetterFigures {
 /// One worker's way, for one run of a team.
 ///
 /// A letter without a byte says that the run is cancelled: a token is one process's own.
-pub struct Letters<'t, P> {
-    team: &'t mut Team<P>,
+pub struct Letters<'t> {
+    team: &'t mut Team,
     /// By receiver: the letter that is written.
     written: Vec<Vec<u8>>,
     /// Receivers of letters that are written.
@@ -50,10 +50,10 @@ pub struct Letters<'t, P> {
     under_way: VecDeque<(Instant, WorkerId, Vec<u8>)>,
 }
 
-impl<'t, P: Post> Letters<'t, P> {
+impl<'t> Letters<'t> {
     /// The way of the worker that is this member of the team; `cancel` is set where any member's
     /// is.
-    pub fn new(team: &'t mut Team<P>, cancel: Option<&'t CancelToken>) -> Self {
+    pub fn new(team: &'t mut Team, cancel: Option<&'t CancelToken>) -> Self {
         let written = (0..team.size()).map(|_| Vec::new()).collect();
         let (dirty, under_way) = (Vec::new(), VecDeque::new());
         Self { team, written, dirty, cancel, has_told: false, under_way }
@@ -100,7 +100,7 @@ impl<'t, P: Post> Letters<'t, P> {
     }
 }
 
-impl<M: Wire, P: Post> Transport<M> for Letters<'_, P> {
+impl<M: Wire> Transport<M> for Letters<'_> {
     fn send(&mut self, to: WorkerId, message: M) {
         let letter = &mut self.written[to.index()];
         let before = letter.len();

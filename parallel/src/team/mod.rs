@@ -42,9 +42,8 @@ pub enum TeamError {
 }
 
 /// One member's part in a team.
-#[derive(Debug)]
-pub struct Team<P> {
-    post: P,
+pub struct Team {
+    post: Box<dyn Post>,
     /// Mails that have arrived, in the order of their arrival.
     mails: VecDeque<(WorkerId, Vec<u8>)>,
     /// Letters of collectives that have arrived, by sender.
@@ -57,16 +56,21 @@ pub struct Team<P> {
     latency: Duration,
 }
 
-impl Team<Alone> {
+impl std::fmt::Debug for Team {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "member {} of {}", self.me(), self.size())
+    }
+}
+
+impl Team {
     /// A team of one.
     pub fn alone() -> Self {
         Self::new(Alone)
     }
-}
 
-impl<P: Post> Team<P> {
     /// A member's part in the team that this post connects.
-    pub fn new(post: P) -> Self {
+    pub fn new(post: impl Post + 'static) -> Self {
+        let post = Box::new(post);
         let letters = (0..post.members()).map(|_| VecDeque::new()).collect();
         let figures = LetterFigures::default();
         let latency = Duration::ZERO;
@@ -97,11 +101,6 @@ impl<P: Post> Team<P> {
     /// The figures of this member's mails so far.
     pub fn figures(&self) -> LetterFigures {
         self.figures
-    }
-
-    /// The post.
-    pub fn post(&mut self) -> &mut P {
-        &mut self.post
     }
 
     /// Tells all others that this member has failed.

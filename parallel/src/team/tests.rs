@@ -1,6 +1,6 @@
 use super::*;
 
-fn on_team<R: Send>(members: u32, member: impl Fn(&mut Team<Threads>) -> R + Sync) -> Vec<R> {
+fn on_team<R: Send>(members: u32, member: impl Fn(&mut Team) -> R + Sync) -> Vec<R> {
     std::thread::scope(|scope| {
         let member = &member;
         let run = |post| scope.spawn(move || member(&mut Team::new(post)));

@@ -10,7 +10,7 @@ use crate::mesh::{Layout, LocalMesh, Ownership, Place, Sample, Sampled, Stretch,
 use crate::metrics::SubmeshSize;
 use crate::payload::Payload;
 use crate::protocol::{Source, Worker, WorkerId};
-use crate::team::{Letters, Post, Team, TeamError};
+use crate::team::{Letters, Team, TeamError};
 use crate::transport::Mail;
 use crate::wire::{Wire, WireError};
 use ltbw_core::build::flat;
@@ -73,11 +73,7 @@ impl Parallel<'_> {
     /// # Errors
     /// [`RunError`] says why there is no mesh: the same at all members, but for the one that has
     /// failed.
-    pub fn build_on<P: Post>(
-        &self,
-        team: &mut Team<P>,
-        slice: &Slice,
-    ) -> Result<BuiltPart, RunError> {
+    pub fn build_on(&self, team: &mut Team, slice: &Slice) -> Result<BuiltPart, RunError> {
         let clock = Instant::now();
         let total = u64::from(slice.total());
         let layout = self.plan_for(total as usize);
@@ -137,9 +133,9 @@ impl Parallel<'_> {
     }
 
     /// Makes the own part of a start: the coarse mesh, which all make, and the own stretch.
-    fn begin_on<P: Post>(
+    fn begin_on(
         &self,
-        team: &mut Team<P>,
+        team: &mut Team,
         layout: Layout,
         ordered: &mut Ordered,
         mode: Mode,
@@ -175,13 +171,12 @@ impl Parallel<'_> {
     }
 
     /// Runs one worker, whose others are the members of the team.
-    pub(crate) fn run_on<P, S, Q>(
+    pub(crate) fn run_on<S, Q>(
         &self,
-        team: &mut Team<P>,
+        team: &mut Team,
         node: Node<S, Q>,
     ) -> Result<(Node<S, Q>, WorkerStats), RunError>
     where
-        P: Post,
         S: Payload + SubmeshSize,
         Mail<S>: Wire,
         Q: Source<S> + Workload,
@@ -209,8 +204,8 @@ impl Parallel<'_> {
 const UNBALANCED: &str = "blocks do not move between processes";
 
 /// The duplicates that all members have found, at the first one, ascending.
-fn duplicates_of<P: Post>(
-    team: &mut Team<P>,
+fn duplicates_of(
+    team: &mut Team,
     own: &[Duplicate],
     slice: &Slice,
 ) -> Result<Vec<Duplicate>, TeamError> {
@@ -243,8 +238,8 @@ fn known<const N: usize>(
 
 /// A submesh by the numbers and the coordinates of the input. The numbers of vertices of other
 /// stretches are asked for.
-fn part_of<P: Post>(
-    team: &mut Team<P>,
+fn part_of(
+    team: &mut Team,
     mesh: &LocalMesh,
     ordered: &Ordered,
     slice: &Slice,

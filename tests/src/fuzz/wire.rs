@@ -16,6 +16,7 @@ use ltbw::wire::{Wire, open};
 use ltbw::{Builder, Point, PointSet};
 use ltbw_cli::ranks::Judge;
 use ltbw_verify::{Options, check_parted};
+use std::collections::VecDeque;
 use std::time::Duration;
 
 /// The first byte of a letter about points, and of one about a domain.
@@ -31,13 +32,13 @@ pub fn wire(bytes: &[u8]) {
     match kind % 3 {
         POINTS => read::<Mail<LocalMesh>>(letter),
         DOMAIN => read::<Mail<DomainMesh<'static>>>(letter),
-        _ => together(&mut Team::new(Told(letter))),
+        _ => together(&mut Team::new(Told(letter.to_vec().into()))),
     }
 }
 
 /// Hashes, gathers and checks a small mesh as a member of two, and puts its points in order,
 /// whatever the other one sends; ends with the first thing that makes no sense.
-pub fn together<P: Post>(team: &mut Team<P>) {
+pub fn together(team: &mut Team) {
     let points: Vec<Point> =
         (0..12).map(|k| [k * 7 % 5, k * 3 % 4, k % 3].map(f64::from)).collect();
     let set = PointSet::new(points).expect("finite points");
@@ -81,9 +82,9 @@ pub fn together<P: Post>(team: &mut Team<P>) {
 
 /// The post of the first of two members, to whom the other has sent all of its letters already:
 /// each with two bytes of length before it. Then it has failed.
-struct Told<'b>(&'b [u8]);
+struct Told(VecDeque<u8>);
 
-impl Post for Told<'_> {
+impl Post for Told {
     fn me(&self) -> WorkerId {
         WorkerId::default()
     }
@@ -97,10 +98,13 @@ impl Post for Told<'_> {
     fn flush(&mut self) {}
 
     fn take(&mut self) -> Option<(WorkerId, Kind, Vec<u8>)> {
-        let (length, rest) = self.0.split_first_chunk::<2>()?;
-        let (letter, rest) = rest.split_at(rest.len().min(u16::from_le_bytes(*length) as usize));
-        self.0 = rest;
-        Some((WorkerId::new(1), Kind::Team, letter.to_vec()))
+        if self.0.len() < 2 {
+            return None;
+        }
+        let length: Vec<u8> = self.0.drain(..2).collect();
+        let length = usize::from(length[0]) | usize::from(length[1]) << 8;
+        let letter = self.0.drain(..length.min(self.0.len())).collect();
+        Some((WorkerId::new(1), Kind::Team, letter))
     }
 
     fn wait(&mut self, _: Option<Duration>) {}

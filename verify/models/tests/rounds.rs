@@ -8,7 +8,7 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::Layout;
 use ltbw::protocol::{Config, Correct, Rules};
 use ltbw::refine::{Refined, Refiner};
-use ltbw::refining::{Ending, simulate_rounds};
+use ltbw::refining::{Ending, simulate_rounds_as};
 use ltbw::simulate::{Network, Options};
 use ltbw_generate::layers::stack;
 use ltbw_generate::plates::{Plates, plates};
@@ -86,7 +86,7 @@ fn run<C: Rules>(case: &Case, (processors, latency): (u32, u64)) -> Result<(), S
     let options = Options { network, max_events, patience, ..Options::default() };
     let layout = |points| (Layout::new(points, processors), Config::new(processors));
     let whole = (&case.ready.domain, &case.ready.lattice);
-    match simulate_rounds::<C>(&case.refiner, whole, layout, &options) {
+    match simulate_rounds_as::<C>(&case.refiner, whole, layout, &options) {
         Ok(run) if hash(&run.refined) != case.expected => Err("another mesh".to_owned()),
         // Of two points in one place one is as good as both: the mesh does not show it.
         Ok(run) if run.refined.stats.round_points != case.points => Err("other points".to_owned()),

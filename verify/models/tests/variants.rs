@@ -6,7 +6,7 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct, Rules};
 use ltbw::refine::Refiner;
-use ltbw::refining::{RefineError, simulate_domain};
+use ltbw::refining::{RefineError, simulate_domain_as};
 use ltbw::simulate::{MeshError, Network, Options, RandomMigrations, SimulationError, simulate_as};
 use ltbw::{Builder, MeshHash, PointSet};
 use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain};
@@ -189,7 +189,7 @@ fn refined<C: Rules>(ready: &Prepared, most: u64) -> Result<(usize, u64), Refine
     let options = Options { network, max_events: most, ..Options::default() };
     let refiner = Refiner::new().max_volume(1e-4).start(0);
     let domain = (&ready.domain, &ready.lattice);
-    let run = simulate_domain::<C>(&refiner, domain, layout, &options)?;
+    let run = simulate_domain_as::<C>(&refiner, domain, layout, &options)?;
     Ok((run.refined.mesh().num_vertices(), run.events))
 }
 

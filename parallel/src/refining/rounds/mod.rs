@@ -41,7 +41,7 @@
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
 //! | `way` | straight ways to proposed points |
-//! | `ranks` | a worker in each process of a team |
+//! | `ranks`, `simulated` | a worker in each process of a team; on simulated processors |
 //! | `late`, `parts` | what takes the whole mesh in the end; processes that keep their parts |
 
 mod ahead;
@@ -76,6 +76,7 @@ mod refused;
 mod reserved;
 mod ruled;
 mod serve;
+mod simulated;
 mod slivers;
 mod source;
 mod stages;
@@ -92,6 +93,7 @@ pub use parts::{RefinedPart, RefinedWhole, SliverThere};
 #[cfg(feature = "wire")]
 pub use ranks::{Checkpoints, LateSteps, TeamRounds, Wishes, rounds_on_team};
 pub use reserved::unkilled;
+pub use simulated::{SimulatedRounds, simulate_rounds, simulate_rounds_as};
 pub use source::Rounds;
 pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
 
@@ -103,9 +105,7 @@ use super::whole::{Owners, Part, Whole, put_together};
 use crate::balance::Workload;
 use crate::mesh::redeal::Moved;
 use crate::mesh::{Layout, SharedInput};
-use crate::metrics::Summary;
 use crate::protocol::{BlockId, Config, Correct, Rules, Worker, WorkerId};
-use crate::simulate::{MeshError, Options, Simulation, simulate};
 use crate::threads::{Parallel, WorkerStats};
 use ltbw_core::topology::TetId;
 use ltbw_domain::quality::LeastAngles;
@@ -117,25 +117,6 @@ use ltbw_refine::{
 
 /// A worker that refines a domain in rounds.
 pub type RoundNode<'c, C> = Worker<DomainMesh<'c>, Rounds<C>, C>;
-
-/// A domain refined in rounds on simulated processors.
-#[derive(Debug)]
-pub struct SimulatedRounds {
-    /// The refined domain.
-    pub refined: Refined,
-    /// The figures of the processors' time in the rounds that they carried out; `None` if they
-    /// carried out none.
-    pub summary: Option<Summary>,
-    /// Events of the simulation.
-    pub events: u64,
-    /// The end of the processors' rounds, or why they carried out none.
-    pub ending: Result<Ending, ComplexError>,
-    /// The figures of their rounds.
-    pub figures: RoundFigures,
-    /// Why processors that share nothing could not keep their parts in the end; `None` if they
-    /// could, or have carried out no rounds.
-    pub late: Option<Late>,
-}
 
 /// A domain that threads have refined in rounds.
 #[derive(Debug)]
@@ -305,38 +286,6 @@ fn finish(delegated: Delegated<'_>, left: Option<Box<Handed>>) -> Result<Refined
         Some(handed) => delegated.finish(*handed)?,
         None => delegated.ended()?,
     })
-}
-
-/// Refines a domain in rounds on simulated processors. Virtual time is that of the processors, from
-/// the start of the rounds to where one takes over.
-///
-/// # Errors
-/// [`RefineError`] if the domain has no mesh, or if the run has not ended properly.
-pub fn simulate_rounds<C: Rules>(
-    refiner: &Refiner<'_>,
-    whole: (&Domain, &Lattice),
-    layout: impl Fn(usize) -> (Layout, Config),
-    options: &Options,
-) -> Result<SimulatedRounds, RefineError> {
-    let options = Options { balance: None, storm: None, ..options.clone() };
-    let (mut summary, mut events) = (None::<Summary>, 0);
-    let run = |workers, moved: &[Moved]| {
-        if let Some(all) = summary.as_mut().filter(|_| !moved.is_empty()) {
-            let pause = options.redeal(moved);
-            all.pause(pause.all, &pause.own);
-        }
-        let run = simulate(workers, &options).map_err(MeshError::from)?;
-        let Simulation { workers, summary: own, events: more, .. } = run;
-        events += more;
-        match &mut summary {
-            Some(all) => all.go_on(&own),
-            None => summary = Some(own),
-        }
-        Ok(workers)
-    };
-    let all = refine::<C>(refiner, whole, layout, run, true)?;
-    let AllRounds { refined, ending, figures, late, .. } = all;
-    Ok(SimulatedRounds { refined, summary, events, ending, figures, late })
 }
 
 /// Refines a domain in rounds by workers that `run` brings to their end, one event at a time: for

@@ -4,7 +4,7 @@
 use super::{Left, RoundFigures, counted};
 use crate::distributed::{Part, Side, Unnumbered, first_of_two, number};
 use crate::refining::domain::DomainMesh;
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use crate::threads::WorkerStats;
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
@@ -114,9 +114,9 @@ impl Ended<'_, '_> {
     ///
     /// # Errors
     /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-    pub(super) fn keep<P: Post>(
+    pub(super) fn keep(
         &self,
-        team: &mut Team<P>,
+        team: &mut Team,
         delegated: &Delegated<'_>,
         own: Own<'_>,
     ) -> Result<RefinedPart, TeamError> {
@@ -168,7 +168,7 @@ impl Ended<'_, '_> {
     }
 
     /// Numbers all vertices of this part's tetrahedra, exterior included.
-    fn number<P: Post>(&self, team: &mut Team<P>) -> Result<Numbers, TeamError> {
+    fn number(&self, team: &mut Team) -> Result<Numbers, TeamError> {
         let mesh = &self.mesh.inner;
         let mut is_used = vec![false; mesh.num_vertices() + 1];
         let finite = mesh.tets().tets().map(|(_, v)| v).filter(|v| v[3] != INFINITE);
@@ -227,9 +227,9 @@ impl Ended<'_, '_> {
 
     /// The triangles on facets that this part has: of two tetrahedra at one that of the lower
     /// region, and of equal ones the first.
-    fn faces<P: Post>(
+    fn faces(
         &self,
-        team: &mut Team<P>,
+        team: &mut Team,
         of: &[Vertex],
         part: &Part,
         list: &[TetId],

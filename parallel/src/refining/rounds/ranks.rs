@@ -15,7 +15,7 @@ use crate::protocol::{Correct, WorkerId};
 use crate::refining::RefineError;
 use crate::refining::domain::DomainMesh;
 use crate::refining::whole::{Owners, Part};
-use crate::team::{Post, Team, TeamError};
+use crate::team::{Team, TeamError};
 use crate::threads::{Parallel, RunError, WorkerStats};
 use crate::wire::{bytes_of, value_of};
 use ltbw_core::CancelToken;
@@ -132,11 +132,11 @@ pub struct LateSteps {
 /// # Errors
 /// [`RefineError`] if the domain has no mesh, if a member has failed, or if a checkpoint makes no
 /// sense.
-pub fn rounds_on_team<P: Post>(
+pub fn rounds_on_team(
     refiner: &Refiner<'_>,
     (domain, lattice): (&Domain, &Lattice),
     (parallel, cancel): (&Parallel<'_>, &CancelToken),
-    team: &mut Team<P>,
+    team: &mut Team,
     Wishes { checkpoints, in_parts, markers }: Wishes<'_>,
 ) -> Result<TeamRounds, RefineError> {
     let delegated = refiner.delegate(domain, lattice);
@@ -179,9 +179,9 @@ struct Ends<'p> {
 }
 
 /// One member's part in a refinement.
-struct Member<'m, 'p, P> {
+struct Member<'m, 'p> {
     parallel: &'m Parallel<'p>,
-    team: &'m mut Team<P>,
+    team: &'m mut Team,
     stats: WorkerStats,
     /// Rounds from one checkpoint to the next, if there are any.
     every: u64,
@@ -204,9 +204,9 @@ enum Stays {
 }
 
 /// The way of values between the members of a team.
-struct OnTeam<'t, P>(&'t mut Team<P>);
+struct OnTeam<'t>(&'t mut Team);
 
-impl<P: Post> Exchange for OnTeam<'_, P> {
+impl Exchange for OnTeam<'_> {
     fn to_all<T: Value>(&mut self, own: Vec<T>) -> Result<Vec<T>, RefineError> {
         let Some(own) = own.into_iter().next() else { return Ok(Vec::new()) };
         self.0.gather_all(&own).map_err(of_team)
@@ -232,7 +232,7 @@ struct Collected {
     stats: Vec<WorkerStats>,
 }
 
-impl<P: Post> Member<'_, '_, P> {
+impl Member<'_, '_> {
     /// Carries out its part of rounds, from a start on to where one takes over.
     fn refine<'c>(
         &mut self,
