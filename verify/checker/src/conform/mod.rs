@@ -30,6 +30,7 @@ mod incidence;
 mod outline;
 mod parted;
 mod patch;
+mod patches;
 mod place;
 mod plc;
 mod regions;
@@ -50,8 +51,8 @@ use facet::FlatFacet;
 pub use finding::{Conformity, ConformityDefect, Finding, Limits};
 use num_bigint::BigInt;
 pub use parted::{DomainPart, conforms_parted};
-use patch::InUnits;
-use place::{groups, holds};
+use patches::{InUnits, Patches};
+use place::holds;
 pub use plc::{Plc, PlcFacet};
 use std::collections::{HashMap, HashSet};
 use tree::{Shape, Tree, bounds};
@@ -207,29 +208,23 @@ impl Run<'_> {
         tags: Option<&[i64]>,
     ) -> (HashSet<u32>, Vec<Vec<u32>>) {
         let corners: Vec<Whole> = self.plc.vertices.iter().map(|p| units.whole(p)).collect();
-        let facets = self.flats(units, &corners);
-        let degenerate = (0u32..).zip(&facets).filter(|(_, flat)| flat.is_none()).map(|own| own.0);
+        let mut flat = self.flats(units, &corners);
+        let degenerate = (0u32..).zip(&flat).filter(|(_, flat)| flat.is_none()).map(|own| own.0);
         degenerate.for_each(|f| self.degenerate(f));
-        let patches = flat::find(self.plc, &corners).unwrap_or_else(|| {
+        let patches = Patches::find(self.plc, &corners, units).unwrap_or_else(|| {
             self.add(ConformityDefect::TooFine, &[]);
-            Vec::new()
+            Patches::none(self.plc, units)
         });
         let used = self.used();
         let order = (0..points.len() as u32).filter(|&v| used[v as usize]);
         let tree = Tree::new(points, order.collect());
-        let on = self.vertices_on(&facets, &corners, &tree);
-        let mut flat = facets;
-        for &f in patches.iter().flat_map(|patch| &patch.facets) {
-            flat[f as usize] = None;
-        }
-        let mut groups = groups(&flat, &corners);
-        for patch in &patches {
-            patch.facets.iter().for_each(|&f| groups[f as usize] = patch.facets[0]);
-        }
+        let on = self.vertices_on(&flat, &corners, &tree);
+        let groups = patches.groups(&mut flat, &corners);
         let outline = self.edges(&corners, points, &tree, &groups);
         let mut codes = self.tiles(&flat, points, faces, &on, &groups);
-        let mesh = InUnits { units, points, faces, tags };
-        let on = self.patches(&patches, &mesh, &on, &outline, &mut codes);
+        let on = patches.at(&on, points);
+        let mesh = InUnits { units, points, faces, tags, part: None };
+        self.patches(&patches, &mesh, &on, &outline, &mut codes);
         (codes, on)
     }
 

@@ -31,10 +31,12 @@ pub(crate) struct Facet {
     pub(crate) tet: u32,
     /// Its sign.
     pub(crate) sign: i8,
+    /// Its tag, if the mesh has some.
+    pub(crate) tag: i64,
 }
 
 impl Record for Facet {
-    const BYTES: usize = 4 * 32 + 8;
+    const BYTES: usize = 4 * 32 + 16;
 
     fn put(&self, to: &mut Vec<u8>) {
         for Vertex { by_place, corner } in &self.v {
@@ -44,6 +46,7 @@ impl Record for Facet {
         }
         self.tet.put(to);
         (i32::from(self.sign) as u32).put(to);
+        (self.tag as u64).put(to);
     }
 
     fn get(bytes: &[u8]) -> Self {
@@ -53,7 +56,8 @@ impl Record for Facet {
             Vertex { by_place: u32::get(bytes), corner }
         };
         let sign = (u32::get(&bytes[132..]) as i32).signum() as i8;
-        Self { v: std::array::from_fn(vertex), tet: u32::get(&bytes[128..]), sign }
+        let (tet, tag) = (u32::get(&bytes[128..]), u64::get(&bytes[136..]) as i64);
+        Self { v: std::array::from_fn(vertex), tet, sign, tag }
     }
 
     fn is_sound(&self) -> bool {
@@ -102,13 +106,15 @@ pub(crate) fn surface<'a>(
     faces: &'a Faces,
     names: impl Fn(u32) -> Vertex + 'a,
     first: u32,
+    tags: Option<&'a [i64]>,
 ) -> impl Iterator<Item = Facet> + 'a {
     debug_assert!(faces.hull.iter().all(|&code| faces.across[code as usize] == HULL));
     faces.hull.iter().map(move |&code| {
         let side = split(code);
         let [a, b, c] = mesh.outward(side.t, side.i);
         let v = [a, b, c, mesh.mesh.tets[side.t][side.i]].map(&names);
-        Facet { v, tet: first.saturating_add(side.t as u32), sign: mesh.sign(side.t) }
+        let tag = tags.and_then(|tags| tags.get(side.t)).copied().unwrap_or_default();
+        Facet { v, tet: first.saturating_add(side.t as u32), sign: mesh.sign(side.t), tag }
     })
 }
 

@@ -112,6 +112,7 @@ fn begin<'r, 'p, E: Exchange>(
         volume: 0.0,
         hash: Hash::Skipped,
         vertex_order: VertexOrder::Oriented,
+        tags: None,
     })
 }
 
@@ -128,6 +129,8 @@ struct Run<'r, 'p, E> {
     volume: f64,
     hash: Hash,
     vertex_order: VertexOrder,
+    /// The tags of the part's tetrahedra, which go with its faces.
+    tags: Option<&'r [i64]>,
 }
 
 impl<E: Exchange> Run<'_, '_, E> {
@@ -186,7 +189,7 @@ impl<E: Exchange> Run<'_, '_, E> {
             by_place: numbers[v as usize],
             corner: Corner { number: part.numbers[v as usize], at: part.points[v as usize] },
         };
-        let surface = faces::surface(&oriented, &faces, vertex, self.names.first);
+        let surface = faces::surface(&oriented, &faces, vertex, self.names.first, self.tags);
         let met = faces::meet(self.team, surface, asked, &mut self.found)?;
         self.sweep(Level::Orientation, met.orientation.clone());
         self.counts.faces = met.count + faces.count - faces.hull.len() as u64;
@@ -373,17 +376,18 @@ pub(crate) struct Soundness {
     pub(crate) met: Met,
 }
 
-/// Checks that a mesh in parts is sound.
+/// Checks that a mesh in parts is sound; with the tags of the part's tetrahedra, if there are some.
 ///
 /// # Errors
 /// Those of the team; what makes no sense.
 pub(crate) fn soundness<E: Exchange>(
     team: &mut E,
     part: &Part<'_>,
+    tags: Option<&[i64]>,
     options: &Options,
 ) -> Result<Soundness, E::Error> {
     let mut run = begin(team, part, options)?;
-    run.vertex_order = options.vertex_order;
+    (run.vertex_order, run.tags) = (options.vertex_order, tags);
     let mut sound = run.structure();
     let own = own_of(part, &sound, None);
     let vertices = vertices::meet(run.team, own, false, &mut run.found)?;

@@ -10,18 +10,20 @@
 //! |---|---|
 //! | `chains` | edges of the domain are chains of edges of the mesh |
 //! | `between` | faces between parts, and of the hull: tiles, tags, components |
+//! | `tiled` | the tiles of patches: areas, turns, and edges of an odd number of them |
 //! | `sums` | areas, volumes, findings, small angles of all members |
 //!
-//! Facets are what they are: a tolerance ([`Plc::flat_tolerance`]) is not taken. So a mesh whose
-//! facets are patches does not pass, unless it conforms exactly.
+//! A face between parts is on a patch by the tags on both its sides, which meet with it. An edge of
+//! an odd number of a part's tiles meets those of other parts, and the edges of the mesh on edges
+//! of the domain, by its ends.
 
 mod between;
 mod chains;
 mod sums;
+mod tiled;
 
 use super::exterior::Exterior;
-use super::facet::FlatFacet;
-use super::place::groups;
+use super::patches::{InUnits, Names, Patches};
 use super::tiles::{Planes, planes_of};
 use super::tree::Tree;
 use super::whole::{Units, Whole};
@@ -66,7 +68,7 @@ pub fn conforms_parted<E: Exchange>(
     let lacks = tell_all(team, &[u32::from(tags.is_none())])?;
     let tags = tags.filter(|_| lacks.iter().flatten().all(|&lacks| lacks == 0));
     let whole = Part { points, numbers, tets, given: &[] };
-    let sound = parted::soundness(team, &whole, options)?;
+    let sound = parted::soundness(team, &whole, tags, options)?;
     let mut out = Conformity {
         mesh_defects: sound.defects.clone(),
         mesh_defect_count: sound.count,
@@ -103,12 +105,12 @@ pub fn conforms_parted<E: Exchange>(
     if team.me() == 0 {
         run.vertices(&present);
     }
-    let judged = Judged { units, points: &whole, sound: &sound };
+    let judged = Judged { units, points: &whole, numbers, sound: &sound };
     let regions = run.places_in_parts(team, &judged, tags)?;
     let cells = Regions { cells: &regions.cells, seeds: &regions.seeds };
     run.numbers(cells, tags.filter(|_| options.numbered_regions));
     let volume = sums::volume(team, &run.six_volumes(&whole))?;
-    run.bounds(&units, &whole, limits, cells, &vec![Vec::new(); points.len()]);
+    run.bounds(&units, &whole, limits, cells, &regions.on_patches);
     run.out.tets = sound.tets;
     let mut out = sums::findings(team, run.out, sound.first, limit)?;
     (out.cells, out.volume) = (regions.count, Some(units.sixth(&volume)));
@@ -119,6 +121,8 @@ pub fn conforms_parted<E: Exchange>(
 struct Judged<'a> {
     units: Units,
     points: &'a [Whole],
+    /// The numbers of its vertices in the whole.
+    numbers: &'a [u32],
     sound: &'a Soundness,
 }
 
@@ -129,13 +133,6 @@ struct Inside<'a> {
     tags: Option<&'a [i64]>,
 }
 
-/// The facets of the domain in their planes.
-struct Facets<'a> {
-    facets: &'a [Option<FlatFacet>],
-    corners: &'a [Whole],
-    groups: &'a [u32],
-}
-
 /// The components of the whole mesh between facets.
 struct Components {
     /// By tetrahedron of the part.
@@ -143,6 +140,8 @@ struct Components {
     /// By region of the domain.
     seeds: Vec<Option<u32>>,
     count: u64,
+    /// By vertex of the part the patches that it is on.
+    on_patches: Vec<Vec<u32>>,
 }
 
 /// The largest unit of which the coordinates of all members are multiples.
@@ -187,35 +186,47 @@ impl Run<'_> {
         own: &Judged<'_>,
         tags: Option<&[i64]>,
     ) -> Result<Components, E::Error> {
-        let Judged { units, points, sound, .. } = own;
+        let Judged { units, points, numbers, sound } = own;
         let corners: Vec<Whole> = self.plc.vertices.iter().map(|p| units.whole(p)).collect();
-        let facets = self.flats(units, &corners);
+        let mut flat = self.flats(units, &corners);
+        let found = Patches::find(self.plc, &corners, units);
         if team.me() == 0 {
-            let none = (0u32..).zip(&facets).filter(|(_, flat)| flat.is_none());
+            let none = (0u32..).zip(&flat).filter(|(_, flat)| flat.is_none());
             none.for_each(|(f, _)| self.degenerate(f));
+            if found.is_none() {
+                self.add(ConformityDefect::TooFine, &[]);
+            }
         }
+        let patches = found.unwrap_or_else(|| Patches::none(self.plc, units));
         let used = self.used();
         let order = (0..points.len() as u32).filter(|&v| used[v as usize]);
         let tree = Tree::new(points, order.collect());
-        let on = self.vertices_on(&facets, &corners, &tree);
-        let groups = groups(&facets, &corners);
+        let on = self.vertices_on(&flat, &corners, &tree);
+        let mut between = Between::of(&sound.met, units, self, &flat, &corners);
+        let groups = patches.groups(&mut flat, &corners);
         let wanted = self.wanted(&groups);
         let chains = self.chains(&wanted, &corners, points, &tree);
-        self.edges_in_parts(team, &wanted, &chains)?;
-        drop(tree);
-        let (planes, on) = (Planes::new(&facets, &groups), planes_of(&on, &groups));
-        let (codes, mut areas) = self.found_tiles(&planes, points, &sound.faces, &on, true);
-        drop(on);
-        let mut between = Between::of(&sound.met, units);
-        let domain = Facets { facets: &facets, corners: &corners, groups: &groups };
-        between.find_tiles(self, &domain, &planes, &mut areas);
+        let outline = self.edges_in_parts(team, &wanted, &chains, &sound.by_place)?;
+        drop((tree, chains));
+        let (planes, on_planes) = (Planes::new(&flat, &groups), planes_of(&on, &groups));
+        let (mut codes, mut areas) =
+            self.found_tiles(&planes, points, &sound.faces, &on_planes, true);
+        drop(on_planes);
+        between.find_tiles(self, &groups, &planes, &mut areas);
         self.untiled(team, &planes, &areas)?;
+        let on_patches = patches.at(&on, points);
+        drop(on);
+        let part = Names { first: sound.first, numbers, by_place: &sound.by_place };
+        let mesh = InUnits { units, points, faces: &sound.faces, tags, part: Some(part) };
+        let mut tiled = self.found_on_patches(&patches, &mesh, &on_patches, &mut codes);
+        between.find_on_patches(&patches, units, &mut tiled);
+        self.patches_in_parts(team, &patches, tiled, &outline)?;
         between.hull(self);
         let (cells, count) =
             self.components(team, Inside { own, codes: &codes, tags }, &between)?;
         let seeds = self.seeds(units, points);
         let seeds = self.seeds_in_parts(team, sound.first, &seeds, &cells)?;
-        Ok(Components { cells, seeds, count })
+        Ok(Components { cells, seeds, count, on_patches })
     }
 
     /// The component of each tetrahedron of the part, and their number in the whole mesh.
@@ -223,7 +234,7 @@ impl Run<'_> {
         &mut self,
         team: &mut E,
         Inside { own, codes, tags }: Inside<'_>,
-        between: &Between,
+        between: &Between<'_>,
     ) -> Result<(Vec<u32>, u64), E::Error> {
         let sound = own.sound;
         let before_these = self.out.findings.len();
@@ -233,7 +244,7 @@ impl Run<'_> {
         }
         let [first, count] = before(team, self.out.cells)?;
         cells.iter_mut().for_each(|cell| *cell = cell.saturating_add(first as u32));
-        let sides = between::sides(self.mesh, sound, &cells, tags);
+        let sides = between::sides(self.mesh, sound, &cells);
         let joined = between.join(self, team, sides)?;
         let roots = sums::Roots::of(count, &joined);
         cells.iter_mut().for_each(|cell| *cell = roots.root(*cell));
