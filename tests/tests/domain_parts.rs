@@ -2,18 +2,20 @@
 //! numbers, its regions and its triangles, and conform as it does.
 
 use ltbw::distributed::{self, Hashed};
-use ltbw::domain::{PrepareOptions, Prepared};
-use ltbw::refine::{RefineOutcome, RefineStats, Refined, Refiner};
+use ltbw::domain::{Domain, PrepareOptions, Prepared};
+use ltbw::refine::{RefineOutcome, RefineStats, Refined, Refiner, usual_tolerance};
 use ltbw::refining::{Late, RefinedPart, TeamRounds, Wishes, rounds_on_team};
 use ltbw::team::Team;
 use ltbw::threads::Parallel;
 use ltbw::{BoundaryFace, CancelToken, TetMesh, canonical_hash};
 use ltbw_cli::plc_of;
 use ltbw_cli::ranks::Judge;
-use ltbw_generate::{Shape, generate_domain};
+use ltbw_generate::surfaces::{globe, prism, shell, single, torus, turned};
+use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::domains::NAMED;
 use ltbw_tests::teams::on_team;
 use ltbw_verify as verify;
+use std::collections::BTreeMap;
 
 /// One member's part, and what all have found of the whole.
 struct Kept {
@@ -126,8 +128,9 @@ fn same(name: &str, parts: &[Kept], engine: &Refined, ready: &Prepared) {
             conformity.mesh_defects,
             conformity.findings
         );
-        let counts = |own: &verify::Conformity| (own.subfaces, own.tets, own.cells);
+        let counts = |own: &verify::Conformity| [own.subfaces, own.tets, own.cells, own.patches];
         assert_eq!(counts(conformity), counts(&judged), "{name}");
+        assert_eq!(conformity.volume_within, judged.volume_within, "{name}");
         assert_eq!(conformity.volume, judged.volume, "{name}");
         assert_eq!(spoilt.passed(), !is_spoilt, "{name}: a region that is another one");
         assert_eq!((hashed.hash, hashed.tets), (hash, tets.len() as u64), "{name}");
@@ -207,4 +210,157 @@ fn parts_of_domains_are_the_engines_mesh() {
     }
     // The others are at angles so small that something cannot be split.
     assert!(kept >= 100, "{kept} runs have ended in parts");
+}
+
+/// A surface on its lattice, and the tolerance that its patches are flat within. What it encloses
+/// twice is a void if it is `oriented`, else a region.
+fn surface(domain: &Domain, oriented: bool) -> (Prepared, f64) {
+    let options = PrepareOptions { oriented, ..PrepareOptions::default() };
+    let ready = domain.prepare(&options).expect("a sound domain");
+    let tolerance = usual_tolerance(domain, &ready.domain);
+    (ready, tolerance.max(5e-7))
+}
+
+/// A domain with patches between two regions.
+const CORE: &str = "a cube with a core, turned";
+
+#[test]
+fn parts_of_surfaces_with_patches_are_the_engines_mesh() {
+    let solid = |kind| turned(&generate_domain(kind, &Shape::default()).expect("a shape"));
+    let mut kept = 0;
+    for (k, (name, domain, volume)) in [
+        ("a torus", single(torus(10)), 1e-3),
+        ("a torus, turned", turned(&single(torus(10))), 3e-4),
+        ("a shell, turned", single(turned(&shell(0.1))), 3e-4),
+        ("a globe", single(globe(12, 12, 0.0, 1)), 3e-4),
+        ("a prism", single(prism(12, 1e-7, 1)), 3e-4),
+        ("a tee, turned", solid(DomainKind::Tee), 1e-3),
+        ("a cube in a cube, turned", solid(DomainKind::CubeInCube), 1e-3),
+        (CORE, single(turned(&shell(0.2))), 1e-3),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (ready, tolerance) = surface(&domain, name != CORE);
+        let markers: Vec<i32> = (0..ready.domain.facets.len() as i32).map(|f| f % 5 + 1).collect();
+        let markers = (k % 2 == 1).then_some(&markers[..]);
+        for degrees in [0.0, 8.0] {
+            let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(volume);
+            let refiner = refiner.min_dihedral(degrees).start(64);
+            let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+            assert!(engine.stats.patches > 0, "{name}");
+            assert_eq!(engine.regions.len(), 2 + usize::from(name == CORE), "{name}");
+            let engine = match markers {
+                Some(markers) => engine.with_markers(markers.to_vec()),
+                None => engine,
+            };
+            for members in [1, 2, 3, 5] {
+                let name = format!("{name} {degrees} on {members}");
+                match in_parts(&refiner, &ready, members, markers) {
+                    Ends::Parts(parts) => {
+                        assert_eq!(engine.outcome, RefineOutcome::Met, "{name}");
+                        same(&name, &parts, &engine, &ready);
+                        kept += 1;
+                    }
+                    Ends::Whole(why) => println!("{name}: {why}"),
+                }
+            }
+        }
+    }
+    assert!(kept >= 56, "{kept} runs have ended in parts");
+}
+
+/// A mesh with regions, as whole and in parts.
+#[derive(Clone)]
+struct Tagged {
+    points: Vec<[f64; 3]>,
+    tets: Vec<[u32; 4]>,
+    tags: Vec<i64>,
+}
+
+/// Options of all checks here.
+fn options() -> verify::Options {
+    verify::Options { numbered_regions: true, ..verify::Options::default() }
+}
+
+impl Tagged {
+    fn judged(&self, plc: &verify::Plc) -> verify::Conformity {
+        let mesh = verify::Mesh::new(&self.points, &self.tets);
+        verify::conforms(&mesh, plc, Some(&self.tags), &verify::Limits::default(), &options())
+    }
+
+    /// The findings of a team among whose members tetrahedra are dealt out one by one.
+    fn judged_in_parts(&self, plc: &verify::Plc, members: u32) -> verify::Conformity {
+        let mut all = on_team(members, |team| {
+            let own = |t: &usize| t % members as usize == team.me().index();
+            let list: Vec<usize> = (0..self.tets.len()).filter(own).collect();
+            let mut numbers: Vec<u32> = list.iter().flat_map(|&t| self.tets[t]).collect();
+            numbers.sort_unstable();
+            numbers.dedup();
+            let place = |v: u32| numbers.partition_point(|&n| n < v) as u32;
+            let tets: Vec<[u32; 4]> = list.iter().map(|&t| self.tets[t].map(place)).collect();
+            let points: Vec<[f64; 3]> = numbers.iter().map(|&v| self.points[v as usize]).collect();
+            let tags: Vec<i64> = list.iter().map(|&t| self.tags[t]).collect();
+            let tags = Some(&tags[..]);
+            let part = verify::DomainPart { points: &points, numbers: &numbers, tets: &tets, tags };
+            let limits = verify::Limits::default();
+            verify::conforms_parted(&mut Judge(team), &part, plc, &limits, &options())
+                .expect("findings")
+        });
+        let first = all.swap_remove(0);
+        assert!(all.iter().all(|other| format!("{other:?}") == format!("{first:?}")));
+        first
+    }
+}
+
+/// Nearly all faces are between parts here. What is wrong at a patch is found as in the whole mesh,
+/// and counted as there.
+#[test]
+fn wrong_parts_at_patches_are_found() {
+    let (ready, tolerance) = surface(&single(turned(&shell(0.2))), false);
+    let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(5e-3);
+    let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    let TetMesh { points, tets, tet_tags, faces, .. } = refined.inside();
+    let good = Tagged { points, tets, tags: tet_tags.expect("regions") };
+    let plc = plc_of(ready.judged(), refined.stats.flat_tolerance);
+    let compare = |name: &str, mesh: &Tagged, plc: &verify::Plc| {
+        let whole = mesh.judged(plc);
+        for members in [1, 2, 3, 5] {
+            let parts = mesh.judged_in_parts(plc, members);
+            let counts = |own: &verify::Conformity| {
+                (own.counts.clone(), own.mesh_defect_count > 0, own.subfaces, own.cells)
+            };
+            assert_eq!(counts(&parts), counts(&whole), "{name} on {members}");
+            assert_eq!(parts.volume, whole.volume, "{name} on {members}");
+            assert_eq!(parts.patches, whole.patches, "{name} on {members}");
+        }
+        whole
+    };
+    let found = compare("as it is", &good, &plc);
+    assert!(found.passed() && found.patches > 2 && found.cells > 1, "{:?}", found.findings);
+    // Exact facets have edges that the mesh does not have.
+    let exact = verify::Plc { flat_tolerance: 0.0, ..plc.clone() };
+    assert!(!compare("no tolerance", &good, &exact).passed());
+    let mut seen = BTreeMap::new();
+    let mut wrong = |name: &'static str, mesh: &Tagged| {
+        let found = compare(name, mesh, &plc);
+        assert!(!found.passed(), "{name}");
+        let is_untiled = found.count(verify::ConformityDefect::FacetNotTiled) > 0;
+        *seen.entry(name).or_insert(0) += usize::from(is_untiled);
+    };
+    for face in faces.iter().step_by(7) {
+        let (mut lacking, mut mixed) = (good.clone(), good.clone());
+        lacking.tets.remove(face.tet);
+        lacking.tags.remove(face.tet);
+        wrong("without a tetrahedron at a patch", &lacking);
+        mixed.tags[face.tet] = 3 - good.tags[face.tet];
+        wrong("the region beyond on both sides", &mixed);
+        for (k, by) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0)] {
+            // Above the tolerance, and a multiple of all units.
+            let mut moved = good.clone();
+            moved.points[face.corners[2] as usize][k] += by / 131_072.0;
+            wrong("a vertex off its patch", &moved);
+        }
+    }
+    assert!(seen.len() == 3 && seen.values().all(|&untiled| untiled > 0), "{seen:?}");
 }

@@ -11,6 +11,7 @@ mod readers;
 mod resumed;
 mod seeds;
 mod storm;
+mod torus;
 mod validate;
 
 use crate::require;
@@ -55,6 +56,11 @@ const DOMAINS: [(&str, &[&str], &[&str]); 5] = [
     // One process refines it alone.
     ("wedge", &["--angle", "5"], &[]),
 ];
+
+/// A surface with patches, which takes as many vertices as rounds begin with there: it is run on
+/// the most processes alone, and stays in parts.
+const PATCHED: &str = "torus";
+const PATCHED_BOUNDS: [&str; 4] = ["--max-volume", "2.5e-6", "--flat-tolerance", "1e-6"];
 
 /// The files of a mesh in parts.
 const IN_PARTS: [&str; 4] = ["parts.pvtu", "parts_%.msh", "parts.mfem", "parts.vtkhdf"];
@@ -134,6 +140,8 @@ fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
             ways.push(Way { count: MANY, is_tcp: false, late: None });
             ways.push(Way { count: MANY, is_tcp: true, late: Some(LATE) });
         }
+        let is_large = input.name == PATCHED;
+        ways.retain(|way| !is_large || way.count == most && !(way.is_tcp && way.late.is_none()));
         ways.retain(|way| !way.is_tcp || bench.mpi.has_tcp());
         for way in &ways {
             bench.compare(input, &alone, *way)?;
@@ -208,6 +216,11 @@ impl Bench {
             let arguments = words_of(&[&["mesh", &file], bounds].concat());
             inputs.push(Input { name: kind.to_owned(), arguments });
         }
+        let file = format!("{PATCHED}.obj");
+        let written = fs::write(self.folder.join(&file), torus::torus(10));
+        written.map_err(|error| format!("{file}: {error}"))?;
+        let arguments = words_of(&[&["mesh", &file], &PATCHED_BOUNDS[..]].concat());
+        inputs.push(Input { name: PATCHED.to_owned(), arguments });
         Ok(inputs)
     }
 
@@ -247,11 +260,16 @@ impl Bench {
     fn in_parts(&self, input: &Input, alone: &Outcome, count: u32) -> Result<(), String> {
         let mut job = self.job(count, false);
         job.arg(&self.ranked).arg("--quiet").args(&input.arguments);
+        job.args(["--json", "parts.json"]);
         IN_PARTS.iter().for_each(|name| _ = job.args(["-o", name]));
         let outcome = watched(&mut job, WATCHDOG)?;
         let what = format!("{} in {count} parts", input.name);
         if outcome.code != alone.code {
             return Err(format!("{what}: code {:?}\n{}", outcome.code, outcome.stderr));
+        }
+        let report = fs::read_to_string(self.folder.join("parts.json")).unwrap_or_default();
+        if input.name == PATCHED && !report.contains("\"late\": null") {
+            return Err(format!("{what}: one process has the whole"));
         }
         // The others are not read by `ltbw`; what is not as asked for has no certificate.
         let read = if alone.code == Some(0) { &IN_PARTS[..2] } else { &[] };

@@ -10,8 +10,10 @@ use crate::mesh::item::Queues;
 use crate::mesh::marks::face_bit;
 use crate::mesh::state::{FACE, State};
 use crate::queue::split::Step;
+use crate::rules::choice::Corner;
+use crate::rules::complex::Complex;
 use crate::table::{Map, Set, sides as sides_of, triangle};
-use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
 use ltbw_domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_exact::Point;
 use std::f64::consts::PI;
@@ -194,6 +196,61 @@ fn every_transaction_keeps_every_patch_covered() {
     }
     check_labels(&run.refinement.state);
     assert!(inserted > 100 && on_patches > 50, "{inserted} {on_patches}");
+}
+
+/// Dust that is given to the inner side is moved back in the end. That is seen beforehand, by the
+/// carriers of its corners and the regions around it alone; where one of these is not known, too.
+#[test]
+fn dust_on_the_inner_side_is_seen_before_it_is_moved() {
+    let ready = sphere(30);
+    let refiner = Refiner::new().flat_tolerance(5e-7);
+    let (run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+    let own = run.refinement;
+    let bounds = own.bounds.expect("all is there");
+    let complex = Complex::of(&own.state, bounds, own.floor, own.joint_most);
+    let mut state = own.state;
+    state.settle_all_dust();
+    let is_seen = |state: &State, t: TetId, region: u32, unknown: Option<usize>| {
+        let corners = state.cornered(state.vertices(t));
+        let corners = corners.map(|(carrier, point)| Corner { carrier, point });
+        let beyond = |slot: usize| state.marks.region(state.neighbours(t)[slot]);
+        let known = |slot| (Some(slot) != unknown).then(|| beyond(slot));
+        complex.may_be_dust(corners, region, known)
+    };
+    let mut moved = 0;
+    for t in state.mesh.tet_ids().collect::<Vec<TetId>>() {
+        assert!(!is_seen(&state, t, state.marks.region(t), None), "{t} stays where it is");
+        let is_outer = state.is_flat(state.vertices(t)) && state.marks.region(t) == 0;
+        if !is_outer || !is_seen(&state, t, 1, None) {
+            continue;
+        }
+        assert!((0..4).all(|slot| is_seen(&state, t, 1, Some(slot))), "{t}");
+        let (v, neighbours) = (state.vertices(t), state.mesh.topology().at(t).neighbours());
+        let key = |slot: usize| {
+            let [a, b, c] = FACE[slot].map(|k| v[k]);
+            triangle(a, b, c)
+        };
+        let of = (0..4).find_map(|slot| state.subfaces.get(&key(slot)).copied());
+        for (slot, across) in neighbours.into_iter().enumerate() {
+            let bit = face_bit(slot_of(across));
+            if state.marks.region(tet_of(across)) == 1 {
+                state.marks.clear(t, face_bit(slot));
+                state.marks.clear(tet_of(across), bit);
+                state.remove_subface(key(slot));
+            } else {
+                state.marks.set(t, face_bit(slot));
+                state.marks.set(tet_of(across), bit);
+                state.add_subface(key(slot), of.expect("a subface below it"));
+            }
+        }
+        state.marks.set_region(t, 1);
+        check_labels(&state);
+        state.settle_dust([t]);
+        assert_eq!(state.marks.region(t), 0, "{t} is moved back");
+        check_labels(&state);
+        moved += 1;
+    }
+    assert!(moved > 10, "{moved}");
 }
 
 pub(super) fn check_labels(state: &State) {

@@ -9,7 +9,7 @@
 //! | `sort` | what all members have, sorted: each gets a stretch of it |
 //! | `ask` | questions to the member that has the answer; tags of points |
 //! | `number` | numbers of vertices that nobody has given one |
-//! | `share` | which of two parts has the triangle between them |
+//! | `share` | which of two parts has the triangle between them, and what is beyond |
 //! | `hash` | the hash `ltbw.mesh/1`, byte for byte |
 //! | `stream` | the bytes of that hash on their way |
 //! | `border` | what parts have in common, for files that solvers read |
@@ -40,7 +40,7 @@ pub use hash::{Hashed, hash};
 pub(crate) use number::{Unnumbered, number};
 pub use order::{Ordered, Placed, order};
 pub(crate) use records::{bytes_of, values_of};
-pub(crate) use share::{Side, first_of_two};
+pub(crate) use share::{Shared, Side, first_of_two};
 pub use slice::{Slice, SliceError};
 pub use thickness::thickness;
 

@@ -5,7 +5,9 @@ use crate::complex::carrier::Carrier;
 use crate::complex::parts::Markers;
 use crate::mesh::key::{order_key, sorted};
 pub use crate::mesh::number::{GivenNumbers, from_smallest, in_order};
+use crate::mesh::state::FACE;
 use crate::outcome::Reason;
+use crate::patches::dust::Flat;
 use crate::rules::choice::Corner;
 use crate::rules::complex::Complex;
 use ltbw_core::topology::TetId;
@@ -50,16 +52,46 @@ impl Complex<'_> {
     }
 
     /// Looks at tetrahedra once more when all is done, given with their corners and regions.
-    pub fn amiss(&self, tets: impl Iterator<Item = (TetId, [Point; 4], u32)>) -> Amiss {
+    /// `is_flat` tells whether all corners of one are on one patch: then it is over no bound.
+    pub fn amiss(
+        &self,
+        tets: impl Iterator<Item = (TetId, [Point; 4], u32)>,
+        is_flat: impl Fn(TetId) -> bool,
+    ) -> Amiss {
         let (is_unknown, mut thin) = (Cell::new(false), Vec::new());
-        let inside = tets.filter(|(_, corners, region)| {
-            let is_inside = *region != 0;
+        let inside = tets.filter(|&(t, ref corners, region)| {
+            let is_inside = region != 0;
             let is_known = !is_inside || self.bounds().has_size_at(corners.each_ref());
-            is_unknown.set(is_unknown.get() || !is_known);
+            is_unknown.set(is_unknown.get() || !is_known && !is_flat(t));
             is_inside
         });
-        let is_over = self.over_among(inside, |t| thin.push(t)).next().is_some();
+        let is_over = self.over_among(inside, |t| thin.push(t)).any(|t| !is_flat(t));
         Amiss { is_over: is_over || is_unknown.get(), thin }
+    }
+
+    /// May a tetrahedron of a region be dust of a patch, which goes to the outer side in the end?
+    /// `beyond` tells the regions beyond its faces. Where one is not known, it may be any.
+    pub fn may_be_dust(
+        &self,
+        corners: [Corner; 4],
+        region: u32,
+        beyond: impl Fn(usize) -> Option<u32>,
+    ) -> bool {
+        let (plc, corners) = (self.plc(), corners.map(|own| (own.carrier, own.point)));
+        if !self.is_flat(|k| corners[k].0) {
+            return false;
+        }
+        let [Some(a), Some(b), Some(c), Some(d)] = [0, 1, 2, 3].map(beyond) else {
+            return plc.is_inner(corners.map(|own| own.0), region);
+        };
+        let beyond = [a, b, c, d];
+        let facet = |slot: usize| {
+            let face = FACE[slot].map(|k| corners[k]);
+            self.facet(face).or_else(|| plc.patch_at(face, slot, [region, beyond[slot]]))
+        };
+        let facets = [0, 1, 2, 3].map(facet);
+        let is_segment = |ends: [usize; 2]| self.segment(ends.map(|k| corners[k].0)).is_some();
+        plc.settled(&Flat { corners, region, facets, beyond }, is_segment).is_some()
     }
 
     /// A tetrahedron of a region, if it has a dihedral angle below the bound.

@@ -5,12 +5,15 @@
 //! patch, and the two others would cover the same place with the inner side where it belongs, these
 //! are the subfaces instead.
 
+use crate::complex::carrier::Carrier;
+use crate::complex::plc::Plc;
 use crate::mesh::item::Item;
 use crate::mesh::marks::{FACES, face_bit};
 use crate::mesh::state::{FACE, State};
 use crate::mesh::tiles::is_above;
 use crate::table::{edge, triangle};
-use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{TetId, slot_of, tet_of};
+use ltbw_exact::Point;
 use std::cmp::Reverse;
 
 impl State {
@@ -49,61 +52,90 @@ impl State {
     /// Moves a tetrahedron to the outer side of a patch, if it is dust of it on the inner side.
     fn settle(&mut self, t: TetId) -> bool {
         let word = self.marks.of(t);
-        if (0..4).filter(|&slot| word & face_bit(slot) != 0).count() != 2 {
+        if (word & FACES).count_ones() != 2 {
             return false;
         }
-        let v = self.vertices(t);
-        let mut old = Vec::new();
-        let mut new = Vec::new();
-        for (slot, face) in FACE.into_iter().enumerate() {
-            let [a, b, c] = face.map(|k| v[k]);
-            match word & face_bit(slot) {
-                0 => new.push((slot, [a, b, c])),
-                _ => old.push((slot, [a, b, c])),
-            }
-        }
-        let [(i, first), (j, second)] = old[..] else { return false };
-        let patch_of = |[a, b, c]: [VertexId; 3]| self.subfaces.get(&triangle(a, b, c)).copied();
-        let Some(f) = patch_of(first).filter(|f| patch_of(second) == Some(*f)) else {
-            return false;
+        let (v, neighbours) = (self.vertices(t), self.mesh.topology().at(t).neighbours());
+        let face = |slot: usize| FACE[slot].map(|k| v[k]);
+        let patch = |slot: usize| {
+            let [a, b, c] = face(slot);
+            let marked = word & face_bit(slot) != 0;
+            if marked { self.subfaces.get(&triangle(a, b, c)).copied() } else { None }
         };
-        let Some(patch) = &self.plc.facets[f as usize].patch else { return false };
-        let Some(sides) = patch.sides.filter(|sides| sides.inner == self.marks.region(t)) else {
-            return false;
+        let region = |t: TetId| self.marks.region(t);
+        let flat = Flat {
+            corners: self.cornered(v),
+            region: region(t),
+            facets: [0, 1, 2, 3].map(patch),
+            beyond: neighbours.map(|face| region(tet_of(face))),
         };
-        let rest: Vec<VertexId> = (0..4).filter(|&k| k != i && k != j).map(|k| v[k]).collect();
-        if !v.iter().all(|&v| self.lies_on(self.carriers[v.index()], f))
-            || self.segments.contains_key(&edge(rest[0], rest[1]))
-        {
-            return false;
-        }
-        let neighbours = self.mesh.topology().at(t).neighbours();
-        let fits = |&(slot, corners): &(usize, [VertexId; 3])| {
-            let [a, b, c] = corners.map(|v| self.at(v));
-            let turn = patch.turn([&a, &b, &c]);
-            let other = self.marks.region(tet_of(neighbours[slot]));
-            turn != 0 && is_above(slot, turn) != sides.upwards && other == sides.inner
-        };
-        if !new.iter().all(fits) {
-            return false;
-        }
-        for ((slot, [a, b, c]), is_new) in
-            old.into_iter().map(|o| (o, false)).chain(new.into_iter().map(|n| (n, true)))
-        {
+        let is_segment = |[i, j]: [usize; 2]| self.segments.contains_key(&edge(v[i], v[j]));
+        let Some((f, outer)) = self.plc.settled(&flat, is_segment) else { return false };
+        for (slot, of) in flat.facets.into_iter().enumerate() {
+            let [a, b, c] = face(slot);
             let across = neighbours[slot];
             let key = triangle(a, b, c);
             for (t, slot) in [(t, slot), (tet_of(across), slot_of(across))] {
-                match is_new {
-                    true => self.marks.set(t, face_bit(slot)),
-                    false => self.marks.clear(t, face_bit(slot)),
+                match of {
+                    None => self.marks.set(t, face_bit(slot)),
+                    Some(_) => self.marks.clear(t, face_bit(slot)),
                 }
             }
-            match is_new {
-                true => self.add_subface(key, f),
-                false => self.remove_subface(key),
+            match of {
+                None => self.add_subface(key, f),
+                Some(_) => self.remove_subface(key),
             }
         }
-        self.marks.set_region(t, sides.outer);
+        self.marks.set_region(t, outer);
         true
+    }
+}
+
+/// A tetrahedron beside subfaces, by values.
+pub(crate) struct Flat {
+    pub(crate) corners: [(Carrier, Point); 4],
+    pub(crate) region: u32,
+    /// Of which facet the face opposite each slot is a subface.
+    pub(crate) facets: [Option<u32>; 4],
+    /// The regions beyond the faces.
+    pub(crate) beyond: [u32; 4],
+}
+
+impl Plc {
+    /// The patch of which a tetrahedron is dust on the inner side, with the region on the outer one
+    /// if it belongs there: two of its faces are subfaces of the patch, and the others can be.
+    pub(crate) fn settled(
+        &self,
+        flat: &Flat,
+        is_segment: impl Fn([usize; 2]) -> bool,
+    ) -> Option<(u32, u32)> {
+        let (old, new): (Vec<usize>, Vec<usize>) =
+            (0..4).partition(|&slot| flat.facets[slot].is_some());
+        let [i, j] = old[..] else { return None };
+        let f = flat.facets[i].filter(|f| flat.facets[j] == Some(*f))?;
+        let patch = self.facets[f as usize].patch.as_ref()?;
+        let sides = patch.sides.filter(|sides| sides.inner == flat.region)?;
+        let lies_on = |(carrier, _): &(Carrier, Point)| self.lies_on(*carrier, f);
+        // The other two slots are the ends of the edge that both subfaces have.
+        if !flat.corners.iter().all(lies_on) || is_segment([new[0], new[1]]) {
+            return None;
+        }
+        let fits = |&slot: &usize| {
+            let [a, b, c] = FACE[slot].map(|k| flat.corners[k].1);
+            let turn = patch.turn([&a, &b, &c]);
+            turn != 0 && is_above(slot, turn) != sides.upwards && flat.beyond[slot] == sides.inner
+        };
+        new.iter().all(fits).then_some((f, sides.outer))
+    }
+
+    /// Are all four corners of a tetrahedron, which live there, on one patch, and is a region that
+    /// on the inner side of it?
+    pub(crate) fn is_inner(&self, carriers: [Carrier; 4], region: u32) -> bool {
+        let is_inner = |f: &&u32| {
+            let sides = self.facets[**f as usize].patch.as_ref().and_then(|patch| patch.sides);
+            sides.is_some_and(|sides| sides.inner == region)
+        };
+        let on = |f: &u32| carriers.iter().all(|&carrier| self.lies_on(carrier, *f));
+        self.facets_of(&carriers[0]).iter().filter(is_inner).any(on)
     }
 }

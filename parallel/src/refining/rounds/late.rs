@@ -2,8 +2,8 @@
 //! is left takes the whole mesh.
 
 use super::{Ending, Left};
-use crate::refining::domain::DomainMesh;
-use ltbw_core::topology::{INFINITE, TetId};
+use crate::refining::domain::{DomainMesh, labels_at};
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_refine::Delegated;
 
 /// Why one member has the mesh in the end.
@@ -16,8 +16,8 @@ pub enum Late {
     Alone,
     /// The run was stopped, or rounds do not know how to go on.
     Stopped,
-    /// Facets are coplanar within a tolerance.
-    Patches,
+    /// Flat tetrahedra at facets that are coplanar within a tolerance go to their other side.
+    Dust,
     /// Vertices inside are moved.
     Smoothing,
     /// Something could not be split, and is asked again, or relieved.
@@ -32,7 +32,7 @@ impl std::fmt::Display for Late {
             Self::Asked => "what is written takes the whole mesh",
             Self::Alone => "one process has refined it",
             Self::Stopped => "the rounds have stopped early",
-            Self::Patches => "facets are coplanar within the tolerance",
+            Self::Dust => "flat tetrahedra are on the inner side of facets",
             Self::Smoothing => "vertices are moved",
             Self::Refused => "something cannot be split",
             Self::Slivers => "slivers are left",
@@ -54,7 +54,6 @@ pub(super) fn look(
     let complex = &mesh.complex;
     match () {
         () if *ending != Some(Ending::Done) => return Err(Late::Stopped),
-        () if complex.has_patches() => return Err(Late::Patches),
         () if !delegated.may_stay() => return Err(Late::Smoothing),
         () if !(asked.is_empty() && refused.is_empty() && refused_tets.is_empty()) => {
             return Err(Late::Refused);
@@ -64,13 +63,20 @@ pub(super) fn look(
     let tets = mesh.inner.tets();
     let finite = tets.tets().filter(|(_, v)| v[3] != INFINITE);
     let all = finite.map(|(t, v)| (t, v.map(|v| mesh.point(v)), mesh.region(t)));
-    let amiss = complex.amiss(all);
+    let is_flat = |t: TetId| complex.is_flat(|k| mesh.carrier(tets.vertices(t)[k]));
+    let amiss = complex.amiss(all, is_flat);
+    let is_dust = |(t, v): (TetId, [VertexId; 4])| {
+        let beyond = |slot: usize| labels_at(mesh, t, slot).map(|[_, beyond]| beyond);
+        is_flat(t) && complex.may_be_dust(v.map(|v| mesh.corner(v)), mesh.region(t), beyond)
+    };
+    let mut finite = tets.tets().filter(|(_, v)| v[3] != INFINITE);
     let is_open = |&t: &TetId| {
         let corners = tets.vertices(t).map(|v| mesh.corner(v));
         complex.is_sliver(corners, mesh.region(t))
     };
     match () {
         () if amiss.is_over => Err(Late::Refused),
+        () if complex.has_patches() && finite.any(is_dust) => Err(Late::Dust),
         () if amiss.thin.iter().any(is_open) => Err(Late::Slivers),
         () => Ok(amiss.thin),
     }

@@ -2,7 +2,7 @@
 //! keeps its part, under the numbers and in the orders of the whole.
 
 use super::{Left, RoundFigures, counted};
-use crate::distributed::{Part, Side, Unnumbered, first_of_two, number};
+use crate::distributed::{Part, Shared, Side, Unnumbered, first_of_two, number};
 use crate::refining::domain::DomainMesh;
 use crate::team::{Team, TeamError};
 use crate::threads::WorkerStats;
@@ -241,41 +241,73 @@ impl Ended<'_, '_> {
             let [a, b, c, d] = in_order(mesh.vertices(t).map(|v| of[v.index()]));
             [self.mesh.region(t), a, b, c, d]
         };
+        let side = |&Bound { t, corners, .. }: &Bound| {
+            let mut corners = corners.map(|v| of[v.index()]);
+            corners.sort_unstable();
+            Side { corners, rank: rank(t) }
+        };
+        let sides: Vec<Side> =
+            self.bound(list).filter(|face| face.is_far).map(|face| side(&face)).collect();
+        let mut shared = first_of_two(team, &sides)?.into_iter();
+        drop(sides);
+        let is_inside = |t: TetId| mesh.vertices(t)[3] != INFINITE && self.mesh.region(t) != 0;
         let place = |v: VertexId| part.numbers.partition_point(|&n| n < of[v.index()]) as u32;
-        let (mut faces, mut sides) = (Vec::new(), Vec::new());
-        for (tet, &t) in list.iter().enumerate() {
-            let (v, first) = (mesh.vertices(t), faces.len());
-            if v.iter().filter(|&&v| self.mesh.is_bound(v)).count() < 3 {
+        let mut faces: Vec<BoundaryFace> = Vec::new();
+        for face in self.bound(list) {
+            let Bound { tet, t, slot, corners, .. } = face;
+            let told = if face.is_far { shared.next() } else { None };
+            let (is_own, beyond) = match told {
+                // The exterior tells nothing.
+                Some(Shared { is_own, beyond }) => (is_own, beyond.unwrap_or(0)),
+                None => match tet_of(mesh.neighbours(t)[slot]) {
+                    other if is_inside(other) => (rank(t) < rank(other), self.mesh.region(other)),
+                    _ => (true, 0),
+                },
+            };
+            if !is_own {
                 continue;
             }
-            for (slot, face) in mesh.neighbours(t).into_iter().enumerate() {
-                let corners = OTHERS[slot].map(|k| v[k]);
-                let at = corners.map(|v| (self.mesh.carrier(v), self.mesh.point(v)));
-                let Some(facet) = complex.facet(at) else { continue };
-                let other = tet_of(face);
-                let is_far = mesh.far(other).is_some();
-                let is_inside =
-                    || mesh.vertices(other)[3] != INFINITE && self.mesh.region(other) != 0;
-                if !is_far && is_inside() && rank(other) < rank(t) {
-                    continue;
-                }
-                let marker = i64::from(marker(facet, at.map(|own| own.1)));
-                let own = BoundaryFace { corners: from_smallest(corners.map(place)), marker, tet };
-                faces.push((own, is_far.then(|| rank(t))));
-            }
-            faces[first..].sort_unstable_by_key(|(face, _)| face.corners);
+            let own = mesh.vertices(t).map(|v| self.mesh.corner(v));
+            let labels = || Some([self.mesh.region(t), beyond]);
+            let Some(item) = complex.side_of(&own, slot, labels) else { continue };
+            let marker = i64::from(marker(item.of(), corners.map(|v| self.mesh.point(v))));
+            let corners = from_smallest(corners.map(place));
+            faces.push(BoundaryFace { corners, marker, tet });
         }
-        for (face, rank) in &faces {
-            if let Some(rank) = *rank {
-                let mut corners = face.corners.map(|v| part.numbers[v as usize]);
-                corners.sort_unstable();
-                sides.push(Side { corners, rank });
-            }
-        }
-        let mut has = first_of_two(team, &sides)?.into_iter();
-        faces.retain(|(_, rank)| rank.is_none() || has.next() == Some(true));
-        Ok(faces.into_iter().map(|own| own.0).collect())
+        // Slots are no function of the mesh.
+        faces.chunk_by_mut(|a, b| a.tet == b.tet).for_each(|own| {
+            own.sort_unstable_by_key(|face| face.corners);
+        });
+        Ok(faces)
     }
+
+    /// The faces of some tetrahedra all of whose corners are on the boundary: these may be on
+    /// facets.
+    fn bound<'l>(&'l self, list: &'l [TetId]) -> impl Iterator<Item = Bound> + 'l {
+        let mesh = self.mesh.inner.tets();
+        let of_tet = move |(tet, &t): (usize, &TetId)| {
+            let v = mesh.vertices(t);
+            let is_bound = v.map(|v| self.mesh.is_bound(v));
+            let are_bound = move |slot: &usize| OTHERS[*slot].into_iter().all(|k| is_bound[k]);
+            (0..4).filter(are_bound).map(move |slot| {
+                let is_far = mesh.far(tet_of(mesh.neighbours(t)[slot])).is_some();
+                Bound { tet, t, slot, corners: OTHERS[slot].map(|k| v[k]), is_far }
+            })
+        };
+        list.iter().enumerate().flat_map(of_tet)
+    }
+}
+
+/// A face of a tetrahedron all of whose corners are on the boundary.
+struct Bound {
+    /// The place of the tetrahedron in its list.
+    tet: usize,
+    t: TetId,
+    /// The slot that it is opposite of.
+    slot: usize,
+    corners: [VertexId; 3],
+    /// Has another part the tetrahedron beyond?
+    is_far: bool,
 }
 
 /// The numbers of a part's vertices.
