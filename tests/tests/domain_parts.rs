@@ -178,6 +178,36 @@ fn figures(stats: &RefineStats) -> RefineStats {
     }
 }
 
+/// The number of teams that keep a domain's mesh in parts, where it is the engine's; with markers
+/// in place of the domain's own if it `is_marked`.
+fn kept_by_teams(
+    name: &str,
+    refiner: &Refiner<'_>,
+    ready: &Prepared,
+    engine: Refined,
+    is_marked: bool,
+) -> usize {
+    let markers: Vec<i32> = (0..ready.domain.facets.len() as i32).map(|f| f % 5 + 1).collect();
+    let markers = is_marked.then_some(&markers[..]);
+    let engine = match markers {
+        Some(markers) => engine.with_markers(markers.to_vec()),
+        None => engine,
+    };
+    let mut kept = 0;
+    for members in [1, 2, 3, 5] {
+        let name = format!("{name} on {members}");
+        match in_parts(refiner, ready, members, markers) {
+            Ends::Parts(parts) => {
+                assert_eq!(engine.outcome, RefineOutcome::Met, "{name}");
+                same(&name, &parts, &engine, ready);
+                kept += 1;
+            }
+            Ends::Whole(why) => println!("{name}: {why}"),
+        }
+    }
+    kept
+}
+
 #[test]
 fn parts_of_domains_are_the_engines_mesh() {
     let mut kept = 0;
@@ -186,26 +216,11 @@ fn parts_of_domains_are_the_engines_mesh() {
         let shape = Shape { angle: angle.or(usual.angle), ..usual };
         let domain = generate_domain(kind, &shape).expect("a shape");
         let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
-        let markers: Vec<i32> = (0..ready.domain.facets.len() as i32).map(|f| f % 5 + 1).collect();
-        let markers = (k % 2 == 1).then_some(&markers[..]);
         for degrees in [0.0, 8.0] {
             let refiner = Refiner::new().max_volume(volume).min_dihedral(degrees).start(0);
             let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-            let engine = match markers {
-                Some(markers) => engine.with_markers(markers.to_vec()),
-                None => engine,
-            };
-            for members in [1, 2, 3, 5] {
-                let name = format!("{kind:?} {volume} {angle:?} {degrees} on {members}");
-                match in_parts(&refiner, &ready, members, markers) {
-                    Ends::Parts(parts) => {
-                        assert_eq!(engine.outcome, RefineOutcome::Met, "{name}");
-                        same(&name, &parts, &engine, &ready);
-                        kept += 1;
-                    }
-                    Ends::Whole(why) => println!("{name}: {why}"),
-                }
-            }
+            let name = format!("{kind:?} {volume} {angle:?} {degrees}");
+            kept += kept_by_teams(&name, &refiner, &ready, engine, k % 2 == 1);
         }
     }
     // The others are at angles so small that something cannot be split.
@@ -242,29 +257,14 @@ fn parts_of_surfaces_with_patches_are_the_engines_mesh() {
     .enumerate()
     {
         let (ready, tolerance) = surface(&domain, name != CORE);
-        let markers: Vec<i32> = (0..ready.domain.facets.len() as i32).map(|f| f % 5 + 1).collect();
-        let markers = (k % 2 == 1).then_some(&markers[..]);
         for degrees in [0.0, 8.0] {
             let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(volume);
             let refiner = refiner.min_dihedral(degrees).start(64);
             let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
             assert!(engine.stats.patches > 0, "{name}");
             assert_eq!(engine.regions.len(), 2 + usize::from(name == CORE), "{name}");
-            let engine = match markers {
-                Some(markers) => engine.with_markers(markers.to_vec()),
-                None => engine,
-            };
-            for members in [1, 2, 3, 5] {
-                let name = format!("{name} {degrees} on {members}");
-                match in_parts(&refiner, &ready, members, markers) {
-                    Ends::Parts(parts) => {
-                        assert_eq!(engine.outcome, RefineOutcome::Met, "{name}");
-                        same(&name, &parts, &engine, &ready);
-                        kept += 1;
-                    }
-                    Ends::Whole(why) => println!("{name}: {why}"),
-                }
-            }
+            let name = format!("{name} {degrees}");
+            kept += kept_by_teams(&name, &refiner, &ready, engine, k % 2 == 1);
         }
     }
     assert!(kept >= 56, "{kept} runs have ended in parts");

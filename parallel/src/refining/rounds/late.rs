@@ -61,22 +61,21 @@ pub(super) fn look(
         () => {}
     }
     let tets = mesh.inner.tets();
-    let finite = tets.tets().filter(|(_, v)| v[3] != INFINITE);
-    let all = finite.map(|(t, v)| (t, v.map(|v| mesh.point(v)), mesh.region(t)));
+    let finite = || tets.tets().filter(|(_, v)| v[3] != INFINITE);
+    let all = finite().map(|(t, v)| (t, v.map(|v| mesh.point(v)), mesh.region(t)));
     let is_flat = |t: TetId| complex.is_flat(|k| mesh.carrier(tets.vertices(t)[k]));
     let amiss = complex.amiss(all, is_flat);
     let is_dust = |(t, v): (TetId, [VertexId; 4])| {
         let beyond = |slot: usize| labels_at(mesh, t, slot).map(|[_, beyond]| beyond);
-        is_flat(t) && complex.may_be_dust(v.map(|v| mesh.corner(v)), mesh.region(t), beyond)
+        complex.may_be_dust(v.map(|v| mesh.corner(v)), mesh.region(t), beyond)
     };
-    let mut finite = tets.tets().filter(|(_, v)| v[3] != INFINITE);
     let is_open = |&t: &TetId| {
         let corners = tets.vertices(t).map(|v| mesh.corner(v));
         complex.is_sliver(corners, mesh.region(t))
     };
     match () {
         () if amiss.is_over => Err(Late::Refused),
-        () if complex.has_patches() && finite.any(is_dust) => Err(Late::Dust),
+        () if complex.has_patches() && finite().any(is_dust) => Err(Late::Dust),
         () if amiss.thin.iter().any(is_open) => Err(Late::Slivers),
         () => Ok(amiss.thin),
     }
