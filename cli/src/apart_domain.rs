@@ -10,17 +10,23 @@ use crate::domain_job::Job;
 use crate::domain_report::Told;
 use crate::domain_whole::{Meshed, finish};
 use crate::excused::{SliverLeft, SliversLeft};
+use crate::json::write_text;
 use crate::others::{Apart, Work};
 use crate::outcome::{Exit, Failure};
+use crate::page::Scene;
+use crate::picture::histograms;
 use crate::plc::plc_of;
 use crate::progress::{Progress, Stage};
 use crate::quality_apart::quality;
-use crate::report::{Seconds, measured_json};
+use crate::report::{Report, Seconds, measured_json};
 use crate::surface::print_patches;
+use crate::task::{Beside, Judged};
 use crate::workers::{Made, Redeals, Setting, print_workers};
 use ltbw::TetMesh;
+use ltbw::distributed::Joined;
 use ltbw::domain::Prepared;
 use ltbw::io::{Arrays, Piece};
+use ltbw::quality::arrays as values_of;
 use ltbw::refine::{ExcusedShare, RefineOutcome, Sliver, Verdict, attributes_of};
 use ltbw::refining::{LateSteps, RefinedPart, RefinedWhole, TeamRounds, Wishes};
 use ltbw::threads::Parallel;
@@ -43,7 +49,7 @@ pub(crate) fn mesh(
         let parallel = parallel.cancel(task.stop.token());
         let work = Work { parallel: &parallel, token: task.stop.token() };
         let markers = job.boundary.markers();
-        let wishes = Wishes { in_parts: !takes_whole(job), markers, ..Wishes::default() };
+        let wishes = Wishes { in_parts: !job.keep_exterior, markers, ..Wishes::default() };
         let end = others.refine(&job.refiner(&progress), ready, work, wishes);
         end.map_err(|error| Setting { name: task.name, stop: task.stop }.failed(error))?
     };
@@ -61,14 +67,6 @@ pub(crate) fn mesh(
     }
 }
 
-/// Is something asked for that takes the whole mesh?
-fn takes_whole(job: &Job<'_>) -> bool {
-    let task = &job.task;
-    let is_drawn = task.page.is_some() || job.histogram.is_some();
-    let is_written = !task.outputs.whole.is_empty() || job.keep_exterior || job.write_unrecovered;
-    is_drawn || is_written
-}
-
 /// A process's part, and the time so far.
 struct Own {
     part: RefinedPart,
@@ -82,7 +80,7 @@ fn finish_part(
     job: &Job<'_>,
     Own { part: own, mut seconds }: Own,
 ) -> Result<Exit, Failure> {
-    let RefinedPart { part, regions, faces, whole, .. } = own;
+    let RefinedPart { part, outside, regions, faces, whole, .. } = own;
     let task = &job.task;
     let clock = Instant::now();
     let stage = Stage::begin("hash");
@@ -123,25 +121,23 @@ fn finish_part(
     report.quality = measured.as_ref().map(measured_json);
     task.stop.inserted();
     let attributes = attributes_of(&whole.regions);
-    let of_region = |of: &Vec<f64>| -> Option<Vec<f64>> {
-        regions.iter().map(|&region| of.get(region as usize).copied()).collect()
-    };
     let mesh = TetMesh {
         points: part.points,
         tets: part.tets,
-        tet_attributes: attributes.as_ref().and_then(of_region),
         tet_tags: Some(regions.iter().map(|&region| i64::from(region)).collect()),
         faces,
         ..TetMesh::default()
     };
     drop(regions);
-    let piece = Piece { mesh, numbers: part.numbers };
+    let piece = Piece { mesh: with_attributes(mesh, attributes.as_deref()), numbers: part.numbers };
     let checked = match task.check {
         Depth::Off => None,
         _ => Some(check(others, ready, job, &whole, &piece)?),
     };
     let is_refused = checked.as_ref().is_some_and(|checked| !checked.has_passed);
-    if let Some(Checked { mut certificate, seconds, .. }) = checked {
+    let mut judged = Judged::unseen(measured);
+    if let Some(Checked { mut certificate, seconds, verdict, .. }) = checked {
+        judged.verdict = verdict;
         let hash = report.mesh.hash.as_deref().unwrap_or_default();
         task.binding.bind(&mut certificate, hash);
         report.certificate = Some(certificate);
@@ -158,16 +154,56 @@ fn finish_part(
     let arrays =
         Arrays { tags: false, regions: true, markers: true, attributes: attributes.is_some() };
     write_pieces(others, &piece, arrays, task, &mut report)?;
+    let mut written = Ok(());
+    if !task.outputs.whole.is_empty() || task.page.is_some() {
+        let joined = others.join(&piece, &outside, whole.vertices)?;
+        drop((piece, outside));
+        if let Some(Joined { mesh, owners }) = joined {
+            let mesh = with_attributes(mesh, attributes.as_deref());
+            let owners = if others.size() > 1 { owners } else { Vec::new() };
+            written = write_whole(job, &Joined { mesh, owners }, &judged, &mut report);
+        }
+    }
     report.seconds.write = clock.elapsed().as_secs_f64();
     if others.is_first() {
+        written?;
+        if let (Some(path), Some(measured)) = (job.histogram, &judged.measured) {
+            write_text(path, &histograms::svg(&measured.quality, &measured.slivers))?;
+        }
         task.finish(&mut report)?;
     }
     slivers.print(ready, is_flat);
     Ok(if is_flat { Exit::Defect } else { Exit::Done })
 }
 
+/// A mesh with the attributes of its regions, if they have some.
+fn with_attributes(mesh: TetMesh, of: Option<&[f64]>) -> TetMesh {
+    let value = |&region: &i64| usize::try_from(region).ok().and_then(|k| of?.get(k).copied());
+    let tet_attributes = mesh.tet_tags.iter().flatten().map(value).collect();
+    TetMesh { tet_attributes: of.and(tet_attributes), ..mesh }
+}
+
+/// Writes the files that hold the whole mesh, and the page.
+fn write_whole(
+    job: &Job<'_>,
+    Joined { mesh, owners }: &Joined,
+    judged: &Judged,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let names = &job.boundary.names;
+    let values = || values_of(&mesh.points, &mesh.tets);
+    let stage = Stage::begin("write");
+    job.task.write_whole(mesh, Beside { values, names }, report)?;
+    drop(stage);
+    // Nothing is excused where all keep their parts.
+    let scene = Scene { mesh, hull: &[], workers: owners, names, excused: &[] };
+    job.task.write_page(&scene, report, judged, None)
+}
+
 /// The verdict on a mesh in parts.
 struct Checked {
+    /// For people.
+    verdict: String,
     has_passed: bool,
     certificate: Value,
     seconds: f64,
@@ -200,9 +236,10 @@ fn check(
     let word = Verdict::of(has_passed, has_passed, &share, job.excused_share);
     let certificate = certificate(&found, same, word);
     let seconds = clock.elapsed().as_secs_f64();
+    let verdict = summary(&found);
     match has_passed {
-        true => console::people(&format!("checked   {}", summary(&found))),
+        true => console::people(&format!("checked   {verdict}")),
         false => print(&mut found),
     }
-    Ok(Checked { has_passed, certificate, seconds })
+    Ok(Checked { verdict, has_passed, certificate, seconds })
 }

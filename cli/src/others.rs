@@ -34,7 +34,7 @@ pub(crate) fn of_rank(rank: u32, why: &str) -> String {
 mod apart {
     use super::of_rank;
     use crate::outcome::Failure;
-    use ltbw::distributed::{Gathered, Hashed, Part, Points, Slice, SliceError};
+    use ltbw::distributed::{Gathered, Hashed, Joined, Part, Points, Slice, SliceError};
     use ltbw::domain::{Prepared, Thickness};
     use ltbw::io::{Border, Piece};
     use ltbw::protocol::WorkerId;
@@ -118,6 +118,14 @@ mod apart {
 
         /// The tetrahedra of all parts, over this number of points, at the first process.
         fn gather(&self, part: &Part, points: usize) -> Result<Option<Gathered>, Failure>;
+
+        /// The mesh of a domain at the first process: the pieces of all, and vertices beside them.
+        fn join(
+            &self,
+            piece: &Piece,
+            beside: &Part,
+            vertices: u64,
+        ) -> Result<Option<Joined>, Failure>;
 
         /// The points of all slices at the first process.
         fn gather_points(

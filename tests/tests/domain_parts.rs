@@ -1,8 +1,9 @@
 //! Domains whose parts stay where they were refined: together they are the engine's mesh, to its
 //! numbers, its regions and its triangles, and conform as it does.
 
-use ltbw::distributed::{self, Hashed};
+use ltbw::distributed::{self, Hashed, Joined};
 use ltbw::domain::{Domain, PrepareOptions, Prepared};
+use ltbw::io::Piece;
 use ltbw::refine::{RefineOutcome, RefineStats, Refined, Refiner, usual_tolerance};
 use ltbw::refining::{Late, RefinedPart, TeamRounds, Wishes, rounds_on_team};
 use ltbw::team::Team;
@@ -24,6 +25,8 @@ struct Kept {
     found: verify::Conformity,
     /// The regions of this part are others than they say, if it has any tetrahedra.
     spoilt: verify::Conformity,
+    /// At the first member, all parts in one place.
+    joined: Option<Joined>,
 }
 
 /// The ends of a team.
@@ -52,6 +55,20 @@ fn judged(
         .expect("findings")
 }
 
+/// The mesh at the first member.
+fn joined(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
+    let distributed::Part { points, numbers, tets, .. } = &own.part;
+    let mesh = TetMesh {
+        points: points.clone(),
+        tets: tets.clone(),
+        tet_tags: Some(own.regions.iter().map(|&region| i64::from(region)).collect()),
+        faces: own.faces.clone(),
+        ..TetMesh::default()
+    };
+    let piece = Piece { mesh, numbers: numbers.clone() };
+    distributed::join(team, &piece, &own.outside, own.whole.vertices as usize).expect("a mesh")
+}
+
 /// Refines on a team whose members are to keep their parts.
 fn in_parts(
     refiner: &Refiner<'_>,
@@ -68,7 +85,8 @@ fn in_parts(
         let found = match &end {
             TeamRounds::Part(own) => {
                 let hashed = distributed::hash(team, &own.part).expect("a hash");
-                Some((hashed, [false, true].map(|spoilt| judged(team, own, ready, spoilt))))
+                let found = [false, true].map(|spoilt| judged(team, own, ready, spoilt));
+                Some((hashed, found, joined(team, own)))
             }
             TeamRounds::Whole(..) | TeamRounds::Elsewhere => None,
         };
@@ -77,8 +95,8 @@ fn in_parts(
     let (mut parts, mut late) = (Vec::new(), None);
     for end in ends {
         match end {
-            (TeamRounds::Part(own), Some((hashed, [found, spoilt]))) => {
-                parts.push(Kept { own: *own, hashed, found, spoilt });
+            (TeamRounds::Part(own), Some((hashed, [found, spoilt], joined))) => {
+                parts.push(Kept { own: *own, hashed, found, spoilt, joined });
             }
             (TeamRounds::Whole(_, own), _) => late = Some(own.why),
             _ => {}
@@ -111,7 +129,15 @@ fn triangles(
 
 /// Compares parts with a mesh that one has.
 fn same(name: &str, parts: &[Kept], engine: &Refined, ready: &Prepared) {
-    let TetMesh { points, tets, tet_tags, faces, .. } = engine.inside();
+    let inside = TetMesh { tet_attributes: None, ..engine.inside() };
+    assert_eq!(parts.iter().filter(|own| own.joined.is_some()).count(), 1, "{name}");
+    let Some(Joined { mesh, owners }) = &parts[0].joined else {
+        panic!("{name}: the first one has no mesh");
+    };
+    assert!(*mesh == inside, "{name}: another mesh in one place");
+    let lengths = parts.iter().map(|own| own.own.part.tets.len());
+    assert!((0..).zip(lengths).all(|(k, n)| owners.iter().filter(|&&own| own == k).count() == n));
+    let TetMesh { points, tets, tet_tags, faces, .. } = inside;
     let hash = canonical_hash(&points, &tets).expect("a hash");
     let regions = tet_tags.expect("regions");
     let plc = plc_of(ready.judged(), engine.stats.flat_tolerance);
@@ -121,7 +147,7 @@ fn same(name: &str, parts: &[Kept], engine: &Refined, ready: &Prepared) {
     let has_tets = |own: &&Kept| !own.own.part.tets.is_empty();
     let is_spoilt = parts.last().filter(has_tets).is_some();
     let (mut all, mut found) = (Vec::new(), Vec::new());
-    for Kept { own, hashed, found: conformity, spoilt } in parts {
+    for Kept { own, hashed, found: conformity, spoilt, .. } in parts {
         assert!(
             conformity.passed(),
             "{name}: {:?} {:?}",

@@ -65,6 +65,17 @@ const PATCHED_BOUNDS: [&str; 4] = ["--max-volume", "2.5e-6", "--flat-tolerance",
 /// The files of a mesh in parts.
 const IN_PARTS: [&str; 4] = ["parts.pvtu", "parts_%.msh", "parts.mfem", "parts.vtkhdf"];
 
+/// The files that `ltbw` writes of a whole domain, and processes that keep their parts.
+const WHOLE: [[&str; 2]; 2] = [["alone.vtu", "whole.vtu"], ["alone.svg", "whole.svg"]];
+
+/// The options for the two files of a domain that are made of the whole mesh.
+fn whole_of(input: &Input, way: usize) -> Vec<String> {
+    match input.is_domain() {
+        true => words_of(&["-o", WHOLE[0][way], "--histogram", WHOLE[1][way]]),
+        false => Vec::new(),
+    }
+}
+
 /// The outcome of a run.
 pub(crate) struct Outcome {
     /// The exit code; none if a signal or the watchdog has ended it.
@@ -86,6 +97,12 @@ pub(crate) struct Bench {
 pub(crate) struct Input {
     name: String,
     arguments: Vec<String>,
+}
+
+impl Input {
+    fn is_domain(&self) -> bool {
+        self.arguments.first().is_some_and(|command| command == "mesh")
+    }
 }
 
 /// Jobs with faults beside the others.
@@ -148,8 +165,7 @@ fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
         }
         bench.in_parts(input, &alone, most)?;
         runs += ways.len() + 1;
-        let has_points = input.arguments.first().is_some_and(|command| command == "delaunay");
-        if has_points && asked.has_readers {
+        if !input.is_domain() && asked.has_readers {
             readers::run(&bench, &input.name, &input.arguments, most)?;
         }
     }
@@ -228,7 +244,7 @@ impl Bench {
     fn alone(&self, input: &Input) -> Result<Outcome, String> {
         let report = words_of(&["--json", "alone.json"]);
         _ = fs::remove_file(self.folder.join("alone.json"));
-        self.ltbw(&[input.arguments.clone(), report].concat())
+        self.ltbw(&[input.arguments.clone(), report, whole_of(input, 0)].concat())
     }
 
     /// Runs an input on processes, and compares code, hash and excuses.
@@ -257,11 +273,13 @@ impl Bench {
     }
 
     /// Lets each process write its part: together they are the mesh that `ltbw` has certified.
+    /// Files of a whole domain are those of `ltbw`.
     fn in_parts(&self, input: &Input, alone: &Outcome, count: u32) -> Result<(), String> {
         let mut job = self.job(count, false);
         job.arg(&self.ranked).arg("--quiet").args(&input.arguments);
         job.args(["--json", "parts.json"]);
         IN_PARTS.iter().for_each(|name| _ = job.args(["-o", name]));
+        job.args(whole_of(input, 1));
         let outcome = watched(&mut job, WATCHDOG)?;
         let what = format!("{} in {count} parts", input.name);
         if outcome.code != alone.code {
@@ -278,6 +296,17 @@ impl Bench {
             let checked = self.ltbw(&check)?;
             if checked.code != Some(0) {
                 return Err(format!("{what}: {name}: {:?}\n{}", checked.code, checked.stderr));
+            }
+        }
+        if input.is_domain() {
+            for names in WHOLE {
+                let read = |name: &str| {
+                    fs::read(self.folder.join(name)).map_err(|error| format!("{name}: {error}"))
+                };
+                let [alone, whole] = names;
+                if read(alone)? != read(whole)? {
+                    return Err(format!("{what}: {whole} is another file than {alone}"));
+                }
             }
         }
         println!("{what}: read back");

@@ -7,7 +7,7 @@ use crate::others::{Apart, Ranks, Work, of_rank};
 use crate::outcome::{Exit, Failure};
 use crate::{console, dispatch, machine, refusal};
 use clap::Parser;
-use ltbw::distributed::{self, Gathered, Hashed, Part, Points, Slice, SliceError};
+use ltbw::distributed::{self, Gathered, Hashed, Joined, Part, Points, Slice, SliceError};
 use ltbw::domain::{Prepared, Thickness};
 use ltbw::io::{Border, Piece};
 use ltbw::protocol::WorkerId;
@@ -228,6 +228,11 @@ impl Apart for Member<'_> {
     fn gather(&self, part: &Part, points: usize) -> Result<Option<Gathered>, Failure> {
         let gathered = distributed::gather(*self.team.borrow_mut(), part, points);
         gathered.map_err(|error| self.lost(&error))
+    }
+
+    fn join(&self, piece: &Piece, beside: &Part, vertices: u64) -> Result<Option<Joined>, Failure> {
+        let joined = distributed::join(*self.team.borrow_mut(), piece, beside, vertices as usize);
+        joined.map_err(|error| self.lost(&error))
     }
 
     fn tags(

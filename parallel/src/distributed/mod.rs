@@ -14,6 +14,7 @@
 //! | `stream` | the bytes of that hash on their way |
 //! | `border` | what parts have in common, for files that solvers read |
 //! | `gather` | tetrahedra and points at one place, for files that hold all; points dealt |
+//! | `join` | the mesh of a domain at one place, for files that hold all of it |
 //! | `thickness` | whether the points are nearly in one plane |
 //!
 //! No member holds more than a few times its share: vertices and tetrahedra are sorted into
@@ -23,6 +24,7 @@ mod ask;
 mod border;
 mod gather;
 mod hash;
+mod join;
 mod number;
 mod order;
 mod records;
@@ -37,6 +39,7 @@ pub use ask::tags;
 pub use border::border;
 pub use gather::{Gathered, Points, deal, gather, gather_points};
 pub use hash::{Hashed, hash};
+pub use join::{Joined, join};
 pub(crate) use number::{Unnumbered, number};
 pub use order::{Ordered, Placed, order};
 pub(crate) use records::{bytes_of, values_of};

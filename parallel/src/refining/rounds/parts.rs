@@ -58,7 +58,9 @@ pub struct RefinedWhole {
 pub struct RefinedPart {
     /// The tetrahedra of the domain, in the order of their vertices' numbers.
     pub part: Part,
-    /// Their regions.
+    /// The vertices that tetrahedra outside of the domain alone have: a part without tetrahedra.
+    pub outside: Part,
+    /// The regions of its tetrahedra.
     pub regions: Vec<u32>,
     /// The triangles of the domain's facets that this part has, each with the facet's marker.
     pub faces: Vec<BoundaryFace>,
@@ -123,6 +125,7 @@ impl Ended<'_, '_> {
         let Numbers { of, counts, given } = self.number(team)?;
         let tets = self.mesh.inner.tets();
         let (part, list) = self.list(&of);
+        let outside = self.outside(&of, &part);
         let faces = self.faces(team, &of, &part, &list, own.markers)?;
         let made = Made {
             stats: own.stats,
@@ -164,7 +167,7 @@ impl Ended<'_, '_> {
         }
         whole.slivers.sort_by_key(|own| own.tet);
         let regions = list.iter().map(|&t| self.mesh.region(t)).collect();
-        Ok(RefinedPart { part, regions, faces, whole })
+        Ok(RefinedPart { part, outside, regions, faces, whole })
     }
 
     /// Numbers all vertices of this part's tetrahedra, exterior included.
@@ -223,6 +226,22 @@ impl Ended<'_, '_> {
             hull: Vec::new(),
         };
         (part, tets.into_iter().map(|own| own.1).collect())
+    }
+
+    /// The vertices that tetrahedra outside of the domain alone have.
+    fn outside(&self, of: &[Vertex], part: &Part) -> Part {
+        let (tets, mode) = (self.mesh.inner.tets(), self.start.mode);
+        let finite = tets.tets().filter(|(t, v)| v[3] != INFINITE && self.mesh.region(*t) == 0);
+        let numbered = finite.flat_map(|(_, v)| v).map(|v| (of[v.index()], v));
+        let mut all: Vec<(Vertex, VertexId)> =
+            numbered.filter(|own| part.numbers.binary_search(&own.0).is_err()).collect();
+        all.sort_unstable();
+        all.dedup();
+        Part {
+            numbers: all.iter().map(|own| own.0).collect(),
+            points: all.iter().map(|own| mode.from_kernel(self.mesh.point(own.1))).collect(),
+            ..Part::default()
+        }
     }
 
     /// The triangles on facets that this part has: of two tetrahedra at one that of the lower
