@@ -267,8 +267,9 @@ fn the_papers_variants_get_the_same_mesh() {
         let ownership = Ownership::ALL[seed as usize / 3 % 3];
         let rule = Rule::ALL[seed as usize / 6 % 2];
         let workers = [2, 5, 9][seed as usize / 2 % 3];
-        let layout =
-            Layout { ownership, blocks_per_worker: 4, sample: 60, ..Layout::new(600, workers) };
+        let own_curves = seed % 4 > 1;
+        let layout = Layout { ownership, own_curves, ..Layout::new(600, workers) };
+        let layout = Layout { blocks_per_worker: 4, sample: 60, ..layout };
         let options = match ownership {
             Ownership::Block => {
                 Options { storm: Some(RandomMigrations { every: 20_000 }), ..options(seed) }

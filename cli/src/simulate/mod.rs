@@ -180,7 +180,7 @@ fn options_alone(options: &Options) -> Options {
 fn layout(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
     let process = Parallel::new(processors).among_processes();
     let mut layout = match args.as_processes {
-        true => process.default_layout(points),
+        true => Layout { own_curves: args.domain.is_none(), ..process.default_layout(points) },
         false => {
             Layout { ownership: args.ownership, ..Layout::for_high_latency(points, processors) }
         }

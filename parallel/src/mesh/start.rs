@@ -97,6 +97,9 @@ pub struct Layout {
     pub max_in_flight: usize,
     /// Points of the coarse mesh, or all if there are fewer.
     pub sample: usize,
+    /// Each worker takes its points along a curve through these alone, as processes do, not along
+    /// its stretch of the curve through all. Blocks are no stretches of that one then.
+    pub own_curves: bool,
     /// The rule that says who owns a new tetrahedron.
     pub ownership: Ownership,
     /// When cuts move between rounds.
@@ -129,6 +132,7 @@ impl Layout {
             cursors,
             max_in_flight: 0,
             sample,
+            own_curves: false,
             ownership: Ownership::default(),
             redeal: Redeal::default(),
             reserve: false,
@@ -158,7 +162,7 @@ impl Layout {
         let Wanted { only, given, cancel } = *wanted;
         let cut = given.and_then(|given| given.cut);
         let kernel = set.kernel_points();
-        let order = match only {
+        let mut order = match only {
             None => cut.map_or_else(|| hilbert(&kernel), |cut| cut.curve.order(&kernel)),
             Some(only) => {
                 let points: Vec<Point> = only.iter().map(|&i| kernel[i as usize]).collect();
@@ -167,6 +171,17 @@ impl Layout {
         };
         if cancel.is_some_and(CancelToken::is_cancelled) {
             return Err(BuildError::Cancelled);
+        }
+        if self.own_curves {
+            let workers = self.workers as usize;
+            let ends: Vec<usize> = (0..=workers).map(|w| w * order.len() / workers).collect();
+            for pair in ends.windows(2) {
+                let own = &mut order[pair[0]..pair[1]];
+                let points: Vec<Point> = own.iter().map(|&i| kernel[i as usize]).collect();
+                let along: Vec<Vertex> =
+                    hilbert(&points).into_iter().map(|k| own[k as usize]).collect();
+                own.copy_from_slice(&along);
+            }
         }
         // With room for the vertex at infinity, which the gathered mesh has in front.
         let mut points: Vec<Point> = Vec::with_capacity(order.len() + 1);

@@ -48,7 +48,8 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
             return Err(made.stderr);
         }
     }
-    let alone = median(bench, POINTS, Jobs { beside: 2, processes: 1, delay: 0 })?[0];
+    let beside = Jobs { beside: 2, processes: 1, delay: 0 };
+    let alone = measured(bench, POINTS, beside)?.median[0];
     let one = Simulated { points: POINTS, processors: 1, latency: 1e-3, message: 0.5, seed: 1 };
     let own = simulated(bench, one)?[0];
     let slower = alone / own;
@@ -63,16 +64,17 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
     println!("| delay, us | | predicted | measured | predicted / measured |");
     println!("|---|---|---|---|---|");
     for delay in DELAYS {
-        let measured = median(bench, POINTS, Jobs { delay, ..OF_TWO })?;
+        let found = measured(bench, POINTS, Jobs { delay, ..OF_TWO })?;
         let latency = (f64::from(delay) + SHARED) / slower;
         let of_seed = |seed| simulated(bench, Simulated { latency, message, seed, ..two });
         let runs: Vec<Figures> = (1..=SEEDS).map(of_seed).collect::<Result<_, _>>()?;
         let [mut time, messages, setbacks] = [0, 1, 2].map(|k| spread(&runs, k));
         time[0] *= slower;
         for (k, [mean, deviation]) in [time, messages, setbacks].into_iter().enumerate() {
-            let (name, own) = (FIGURES[k], measured[k]);
+            let (name, own) = (FIGURES[k], found.median[k]);
             let spread = if k == 2 { format!(" ± {deviation:.0}") } else { String::new() };
-            println!("| {delay} | {name} | {mean:.0}{spread} | {own:.0} | {:.2} |", mean / own);
+            let range = format!("{own:.0} ({:.0} to {:.0})", found.least[k], found.largest[k]);
+            println!("| {delay} | {name} | {mean:.0}{spread} | {range} | {:.2} |", mean / own);
         }
     }
     Ok(())
@@ -81,7 +83,7 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
 /// The time that a letter takes at either end, in the simulator's microseconds: that with which it
 /// predicts the makespan of fewer points on two processes without a delay.
 fn message_of(bench: &Bench, two: Simulated<'_>, slower: f64) -> Result<f64, String> {
-    let measured = median(bench, FEWER, OF_TWO)?[0];
+    let measured = measured(bench, FEWER, OF_TWO)?.median[0];
     let (mut low, mut high) = (0.1, 50.0);
     for _ in 0..HALVINGS {
         let message = f64::midpoint(low, high);
@@ -113,8 +115,15 @@ struct Jobs {
 
 const OF_TWO: Jobs = Jobs { beside: 1, processes: 2, delay: 0 };
 
-/// The median of each figure of a few runs on processes.
-fn median(bench: &Bench, points: &str, jobs: Jobs) -> Result<Figures, String> {
+/// A few runs on processes, figure by figure.
+struct Measured {
+    median: Figures,
+    least: Figures,
+    largest: Figures,
+}
+
+/// Runs on processes.
+fn measured(bench: &Bench, points: &str, jobs: Jobs) -> Result<Measured, String> {
     let mut runs: Vec<Figures> = Vec::new();
     let input = format!("validate-{points}.npy");
     let Jobs { beside, processes, delay } = jobs;
@@ -138,11 +147,16 @@ fn median(bench: &Bench, points: &str, jobs: Jobs) -> Result<Figures, String> {
             runs.push([1e3 * sum("insert"), sum("messages"), sum("setbacks")]);
         }
     }
-    Ok([0, 1, 2].map(|k| {
+    let of_figure = |k: usize| {
         let mut own: Vec<f64> = runs.iter().map(|run| run[k]).collect();
         own.sort_by(f64::total_cmp);
-        own[own.len() / 2]
-    }))
+        own
+    };
+    let all = [0, 1, 2].map(of_figure);
+    let last = runs.len() - 1;
+    let [least, median, largest] =
+        [0, runs.len() / 2, last].map(|at| [0, 1, 2].map(|k| all[k][at]));
+    Ok(Measured { median, least, largest })
 }
 
 /// The simulator's figures.
