@@ -1,6 +1,7 @@
 //! The commands `mesh` and `refine` by several processes. Where nothing is left in the end that
-//! takes the whole mesh, none of them has it: each hashes, checks and writes its part with the
-//! others, and the first one reports. Else the first one puts it together, and goes on alone.
+//! takes the whole mesh, each keeps, hashes, checks and writes its part with the others, and the
+//! first one reports; for a file that holds the whole, and for a page, it is told plain arrays.
+//! Else the first one puts the mesh together, and goes on alone.
 
 use crate::apart::write_pieces;
 use crate::args::Depth;
@@ -17,8 +18,8 @@ use crate::page::Scene;
 use crate::picture::histograms;
 use crate::plc::plc_of;
 use crate::progress::{Progress, Stage};
-use crate::quality_apart::quality;
-use crate::report::{Report, Seconds, measured_json};
+use crate::quality_apart;
+use crate::report::{Seconds, measured_json};
 use crate::surface::print_patches;
 use crate::task::{Beside, Judged};
 use crate::workers::{Made, Redeals, Setting, print_workers};
@@ -26,7 +27,7 @@ use ltbw::TetMesh;
 use ltbw::distributed::Joined;
 use ltbw::domain::Prepared;
 use ltbw::io::{Arrays, Piece};
-use ltbw::quality::arrays as values_of;
+use ltbw::quality;
 use ltbw::refine::{ExcusedShare, RefineOutcome, Sliver, Verdict, attributes_of};
 use ltbw::refining::{LateSteps, RefinedPart, RefinedWhole, TeamRounds, Wishes};
 use ltbw::threads::Parallel;
@@ -86,7 +87,7 @@ fn finish_part(
     let stage = Stage::begin("hash");
     let hashed = others.hash(&part)?;
     job.boundary.tell();
-    let quality = quality(others, &part)?;
+    let quality = quality_apart::quality(others, &part)?;
     drop(stage);
     seconds.hash = clock.elapsed().as_secs_f64();
     let slivers: Vec<SliverLeft> = whole
@@ -154,19 +155,23 @@ fn finish_part(
     let arrays =
         Arrays { tags: false, regions: true, markers: true, attributes: attributes.is_some() };
     write_pieces(others, &piece, arrays, task, &mut report)?;
-    let mut written = Ok(());
-    if !task.outputs.whole.is_empty() || task.page.is_some() {
-        let joined = others.join(&piece, &outside, whole.vertices)?;
-        drop((piece, outside));
+    report.seconds.write = clock.elapsed().as_secs_f64();
+    let has_files = !task.outputs.whole.is_empty();
+    if has_files || task.page.is_some() {
+        let stage = Stage::begin(if has_files { "write" } else { "page" });
+        let joined = others.join(piece, outside, whole.vertices)?;
         if let Some(Joined { mesh, owners }) = joined {
-            let mesh = with_attributes(mesh, attributes.as_deref());
-            let owners = if others.size() > 1 { owners } else { Vec::new() };
-            written = write_whole(job, &Joined { mesh, owners }, &judged, &mut report);
+            let (mesh, names) = (with_attributes(mesh, attributes.as_deref()), &job.boundary.names);
+            let values = || quality::arrays(&mesh.points, &mesh.tets);
+            task.write_whole(&mesh, Beside { values, names }, &mut report)?;
+            drop(stage);
+            report.seconds.write = clock.elapsed().as_secs_f64();
+            // Nothing is excused where all keep their parts.
+            let scene = Scene { mesh: &mesh, hull: &[], workers: &owners, names, excused: &[] };
+            task.write_page(&scene, &report, &judged, None)?;
         }
     }
-    report.seconds.write = clock.elapsed().as_secs_f64();
     if others.is_first() {
-        written?;
         if let (Some(path), Some(measured)) = (job.histogram, &judged.measured) {
             write_text(path, &histograms::svg(&measured.quality, &measured.slivers))?;
         }
@@ -181,23 +186,6 @@ fn with_attributes(mesh: TetMesh, of: Option<&[f64]>) -> TetMesh {
     let value = |&region: &i64| usize::try_from(region).ok().and_then(|k| of?.get(k).copied());
     let tet_attributes = mesh.tet_tags.iter().flatten().map(value).collect();
     TetMesh { tet_attributes: of.and(tet_attributes), ..mesh }
-}
-
-/// Writes the files that hold the whole mesh, and the page.
-fn write_whole(
-    job: &Job<'_>,
-    Joined { mesh, owners }: &Joined,
-    judged: &Judged,
-    report: &mut Report,
-) -> Result<(), Failure> {
-    let names = &job.boundary.names;
-    let values = || values_of(&mesh.points, &mesh.tets);
-    let stage = Stage::begin("write");
-    job.task.write_whole(mesh, Beside { values, names }, report)?;
-    drop(stage);
-    // Nothing is excused where all keep their parts.
-    let scene = Scene { mesh, hull: &[], workers: owners, names, excused: &[] };
-    job.task.write_page(&scene, report, judged, None)
 }
 
 /// The verdict on a mesh in parts.

@@ -122,8 +122,8 @@ mod apart {
         /// The mesh of a domain at the first process: the pieces of all, and vertices beside them.
         fn join(
             &self,
-            piece: &Piece,
-            beside: &Part,
+            piece: Piece,
+            beside: Part,
             vertices: u64,
         ) -> Result<Option<Joined>, Failure>;
 

@@ -312,7 +312,7 @@ fn the_simulator_refines_a_domain_without_rounds() {
 fn every_option_of_the_simulator_is_obeyed() {
     let dir = tempfile::tempdir().unwrap();
     let base = ["simulate", "--points", "600", "--processors", "3", "--json", "a.json"];
-    let options: [(&[&str], &str, Value); 20] = [
+    let options: [(&[&str], &str, Value); 22] = [
         (&["--rule", "paper"], "rule", "paper".into()),
         (&["--distribution", "exponential"], "distribution", "exponential".into()),
         (&["--closure", "vertex"], "closure", "vertex".into()),
@@ -329,6 +329,8 @@ fn every_option_of_the_simulator_is_obeyed() {
         (&["--as-processes"], "ownership", "newest".into()),
         (&["--as-processes"], "window", 64.into()),
         (&["--as-processes"], "abreast", 0.into()),
+        (&["--as-processes"], "own_curves", true.into()),
+        (&["--own-curves"], "own_curves", true.into()),
         (&["--abreast", "7"], "abreast", 7.into()),
         (&["--window", "5"], "window", 5.into()),
         (&["--slow", "20"], "slow", 20.0.into()),
@@ -349,6 +351,8 @@ fn every_option_of_the_simulator_is_obeyed() {
         &["--ownership", "creator", "--balance"],
         &["--poll-every", "0"],
         &["--as-processes", "--letters"],
+        &["--as-processes", "--own-curves"],
+        &["--domain", "tee", "--own-curves"],
         &["--as-processes", "--balance"],
     ] {
         let run = ltbw(dir.path(), &[&["simulate"], wrong].concat());

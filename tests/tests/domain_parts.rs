@@ -66,7 +66,7 @@ fn joined(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
         ..TetMesh::default()
     };
     let piece = Piece { mesh, numbers: numbers.clone() };
-    distributed::join(team, &piece, &own.outside, own.whole.vertices as usize).expect("a mesh")
+    distributed::join(team, piece, own.outside.clone(), own.whole.vertices).expect("a mesh")
 }
 
 /// Refines on a team whose members are to keep their parts.
@@ -251,6 +251,27 @@ fn parts_of_domains_are_the_engines_mesh() {
     }
     // The others are at angles so small that something cannot be split.
     assert!(kept >= 100, "{kept} runs have ended in parts");
+}
+
+/// A vertex that no tetrahedron of the domain has is a point of the mesh in one place, too.
+#[test]
+fn vertices_outside_are_told_with_the_parts() {
+    let domain = generate_domain(DomainKind::Gear, &Shape::default()).expect("a shape");
+    let mut ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let (low, high) = ready.domain.bounds().expect("vertices");
+    // Corners of its box are beyond the teeth.
+    ready.domain.vertices.extend([low, [high[0], high[1], low[2]]]);
+    let refiner = Refiner::new().max_volume(1e-3).min_dihedral(0.0).start(64);
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    for members in [1, 2, 3, 5] {
+        let name = format!("a gear with points beside it on {members}");
+        let Ends::Parts(parts) = in_parts(&refiner, &ready, members, None) else {
+            panic!("{name}: one has the mesh");
+        };
+        same(&name, &parts, &engine, &ready);
+        let outside = parts.iter().map(|own| own.own.outside.numbers.len());
+        assert!(outside.sum::<usize>() >= 2, "{name}");
+    }
 }
 
 /// A surface on its lattice, and the tolerance that its patches are flat within. What it encloses

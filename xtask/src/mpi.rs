@@ -66,12 +66,16 @@ const PATCHED_BOUNDS: [&str; 4] = ["--max-volume", "2.5e-6", "--flat-tolerance",
 const IN_PARTS: [&str; 4] = ["parts.pvtu", "parts_%.msh", "parts.mfem", "parts.vtkhdf"];
 
 /// The files that `ltbw` writes of a whole domain, and processes that keep their parts.
-const WHOLE: [[&str; 2]; 2] = [["alone.vtu", "whole.vtu"], ["alone.svg", "whole.svg"]];
+const WHOLE: [[&str; 2]; 3] =
+    [["alone.vtu", "whole.vtu"], ["alone.msh", "whole.msh"], ["alone.svg", "whole.svg"]];
 
 /// The options for the two files of a domain that are made of the whole mesh.
 fn whole_of(input: &Input, way: usize) -> Vec<String> {
     match input.is_domain() {
-        true => words_of(&["-o", WHOLE[0][way], "--histogram", WHOLE[1][way]]),
+        true => {
+            let [vtu, msh, svg] = WHOLE.map(|names| names[way]);
+            words_of(&["-o", vtu, "-o", msh, "--histogram", svg])
+        }
         false => Vec::new(),
     }
 }
@@ -146,7 +150,7 @@ fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
     ranks.retain(|&count| runs_all || count == 2 || count == most);
     let mut runs = 0;
     for input in &inputs {
-        let alone = bench.alone(input)?;
+        let alone = bench.alone(input, &whole_of(input, 0))?;
         let mut ways: Vec<Way> =
             ranks.iter().map(|&count| Way { count, ..Way::default() }).collect();
         let mut late = |count, is_tcp| ways.push(Way { count, is_tcp, late: Some(LATE) });
@@ -240,11 +244,11 @@ impl Bench {
         Ok(inputs)
     }
 
-    /// The outcome of `ltbw` with an input.
-    fn alone(&self, input: &Input) -> Result<Outcome, String> {
+    /// The outcome of `ltbw` with an input, and more arguments.
+    fn alone(&self, input: &Input, more: &[String]) -> Result<Outcome, String> {
         let report = words_of(&["--json", "alone.json"]);
         _ = fs::remove_file(self.folder.join("alone.json"));
-        self.ltbw(&[input.arguments.clone(), report, whole_of(input, 0)].concat())
+        self.ltbw(&[&input.arguments[..], &report, more].concat())
     }
 
     /// Runs an input on processes, and compares code, hash and excuses.
@@ -280,6 +284,9 @@ impl Bench {
         job.args(["--json", "parts.json"]);
         IN_PARTS.iter().for_each(|name| _ = job.args(["-o", name]));
         job.args(whole_of(input, 1));
+        if input.is_domain() {
+            job.args(["--page", "whole.html"]);
+        }
         let outcome = watched(&mut job, WATCHDOG)?;
         let what = format!("{} in {count} parts", input.name);
         if outcome.code != alone.code {

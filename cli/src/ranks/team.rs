@@ -230,8 +230,8 @@ impl Apart for Member<'_> {
         gathered.map_err(|error| self.lost(&error))
     }
 
-    fn join(&self, piece: &Piece, beside: &Part, vertices: u64) -> Result<Option<Joined>, Failure> {
-        let joined = distributed::join(*self.team.borrow_mut(), piece, beside, vertices as usize);
+    fn join(&self, piece: Piece, beside: Part, vertices: u64) -> Result<Option<Joined>, Failure> {
+        let joined = distributed::join(*self.team.borrow_mut(), piece, beside, vertices);
         joined.map_err(|error| self.lost(&error))
     }
 

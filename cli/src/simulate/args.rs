@@ -89,8 +89,13 @@ pub(crate) struct Simulate {
     /// Send the messages between two looks for messages together, as threads and processes do
     #[arg(long, hide_short_help = true)]
     pub(crate) letters: bool,
-    /// Do as processes of `ltbw-mpi` do: their window, ownership, looks for messages and letters
+    /// Each processor takes its points along a curve of its own, as processes do
+    #[arg(long, conflicts_with = "domain", hide_short_help = true)]
+    pub(crate) own_curves: bool,
+    /// Do as processes of `ltbw-mpi` do: window, ownership, order of points, looks for messages and
+    /// letters
     #[arg(long, conflicts_with_all = ["window", "ownership", "poll_every", "abreast", "letters"])]
+    #[arg(conflicts_with = "own_curves")]
     pub(crate) as_processes: bool,
     /// Operations that a worker starts at most at a time
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=4096))]

@@ -180,11 +180,13 @@ fn options_alone(options: &Options) -> Options {
 fn layout(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
     let process = Parallel::new(processors).among_processes();
     let mut layout = match args.as_processes {
-        true => Layout { own_curves: args.domain.is_none(), ..process.default_layout(points) },
+        true => process.default_layout(points),
         false => {
             Layout { ownership: args.ownership, ..Layout::for_high_latency(points, processors) }
         }
     };
+    // A domain's mesh is there already.
+    layout.own_curves = (args.as_processes || args.own_curves) && args.domain.is_none();
     // Few points are not all for the start.
     if layout.sample >= points {
         layout.sample = points / domain::SHARE;

@@ -98,7 +98,8 @@ pub struct Layout {
     /// Points of the coarse mesh, or all if there are fewer.
     pub sample: usize,
     /// Each worker takes its points along a curve through these alone, as processes do, not along
-    /// its stretch of the curve through all. Blocks are no stretches of that one then.
+    /// its stretch of the curve through all. Blocks are no stretches of that one then. For points
+    /// without a mesh.
     pub own_curves: bool,
     /// The rule that says who owns a new tetrahedron.
     pub ownership: Ownership,
@@ -172,7 +173,7 @@ impl Layout {
         if cancel.is_some_and(CancelToken::is_cancelled) {
             return Err(BuildError::Cancelled);
         }
-        if self.own_curves {
+        if self.own_curves && given.is_none() && only.is_none() {
             let workers = self.workers as usize;
             let ends: Vec<usize> = (0..=workers).map(|w| w * order.len() / workers).collect();
             for pair in ends.windows(2) {

@@ -54,7 +54,7 @@ pub(super) fn run(
             is_tcp: draw.below(2) == 1 && bench.mpi.has_tcp(),
             late: draw.one(&[None, Some("300")]),
         };
-        let alone = bench.alone(&input)?;
+        let alone = bench.alone(&input, &[])?;
         bench.compare(&input, &alone, way).map_err(|why| format!("input {number}: {why}"))?;
         let kind = input.name.split(' ').next().unwrap_or_default();
         *kinds.entry(kind.to_owned()).or_default() += 1;
