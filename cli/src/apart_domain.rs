@@ -22,14 +22,14 @@ use crate::quality_apart;
 use crate::report::{Seconds, measured_json};
 use crate::surface::print_patches;
 use crate::task::{Beside, Judged};
-use crate::workers::{Made, Redeals, Setting, print_workers};
+use crate::workers::{Made, Mode, Redeals, Setting, print_workers};
 use ltbw::TetMesh;
 use ltbw::distributed::Joined;
 use ltbw::domain::Prepared;
 use ltbw::io::{Arrays, Piece};
 use ltbw::quality;
 use ltbw::refine::{ExcusedShare, RefineOutcome, Sliver, Verdict, attributes_of};
-use ltbw::refining::{LateSteps, RefinedPart, RefinedWhole, TeamRounds, Wishes};
+use ltbw::refining::{LateSteps, RefinedPart, RefinedWhole, TeamEnd, Wishes};
 use ltbw::threads::Parallel;
 use ltbw_verify as verify;
 use serde_json::{Value, json};
@@ -51,20 +51,28 @@ pub(crate) fn mesh(
         let work = Work { parallel: &parallel, token: task.stop.token() };
         let markers = job.boundary.markers();
         let wishes = Wishes { in_parts: !job.keep_exterior, markers, ..Wishes::default() };
-        let end = others.refine(&job.refiner(&progress), ready, work, wishes);
+        let refiner = job.refiner(&progress);
+        let end = match job.crew.map(|crew| crew.mode) {
+            Some(Mode::Async) => {
+                others.refine_freely(&refiner, ready, work, wishes).map(|end| end.map(Made::freely))
+            }
+            Some(Mode::Rounds) | None => {
+                others.refine(&refiner, ready, work, wishes).map(|end| end.map(Made::by_rounds))
+            }
+        };
         end.map_err(|error| Setting { name: task.name, stop: task.stop }.failed(error))?
     };
     seconds.refine = clock.elapsed().as_secs_f64();
     match end {
-        TeamRounds::Part(part) => finish_part(others, ready, job, Own { part: *part, seconds }),
-        TeamRounds::Whole(run, late) => {
-            let (refined, made) = Made::by_rounds(*run);
+        TeamEnd::Part(part) => finish_part(others, ready, job, Own { part: *part, seconds }),
+        TeamEnd::Whole(run, late) => {
+            let (refined, made) = *run;
             let LateSteps { why, tets, seconds: spent } = late;
             let late = json!({ "why": why.to_string(), "gathered": tets, "seconds": spent });
             finish(ready, job, Meshed { refined, made, seconds, late: Some(late) })
         }
         // The first process has the mesh.
-        TeamRounds::Elsewhere => Ok(Exit::Done),
+        TeamEnd::Elsewhere => Ok(Exit::Done),
     }
 }
 
@@ -109,13 +117,17 @@ fn finish_part(
     let mut report = told.report(job, ready);
     if let Some(refinement) = &mut report.refinement {
         refinement["late"] = Value::Null;
+        if whole.splits.is_some() {
+            refinement["reproducible"] = false.into();
+        }
     }
     report.mesh.hash = Some(hashed.hash.to_string());
     report.seconds = seconds;
     let measured = told.measured(quality);
     told.print(measured.as_ref());
     let redeals = Redeals::of(&whole.figures);
-    let made = Made { workers: whole.workers.clone(), redeals, ..Made::default() };
+    let (workers, splits) = (whole.workers.clone(), whole.splits);
+    let made = Made { workers, redeals, splits, ..Made::default() };
     print_workers(&made);
     (report.workers, report.redeals) = (made.workers, redeals);
     print_patches(job.flat_tolerance, &whole.stats);

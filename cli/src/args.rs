@@ -343,7 +343,7 @@ pub(crate) struct MeshArgs {
     #[arg(allow_negative_numbers = true, conflicts_with = "trace")]
     pub(crate) workers: Option<u16>,
     /// rounds: one mesh; async: as the paper does, another each time
-    #[arg(long, value_enum, default_value_t, requires = "workers", hide_short_help = true)]
+    #[arg(long, value_enum, default_value_t, hide_short_help = true)]
     #[arg(hide_possible_values = true, hide_default_value = true)]
     pub(crate) mode: Mode,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout

@@ -16,7 +16,7 @@ use crate::report::Seconds;
 use crate::sizes::{Field, field};
 use crate::streams::Source;
 use crate::task::{Files, Task};
-use crate::workers::{Crew, Setting, refine};
+use crate::workers::{Crew, Mode, Setting, refine};
 use ltbw::domain::Prepared;
 use ltbw::io;
 use std::path::Path;
@@ -51,6 +51,9 @@ pub(crate) fn mesh_from(
     let asked = asked(args)?;
     args.preparation.check(&[&args.domain])?;
     let workers = args.workers.map(u32::from).or(others.map(|others| others.size()));
+    if workers.is_none() && args.mode == Mode::Async {
+        return Err(Failure::Usage("--mode async is for --workers N".to_owned()));
+    }
     let crew = workers.map(|workers| Crew { workers, mode: args.mode });
     // A `.poly` may have its points in a `.node`.
     let mut inputs =

@@ -39,7 +39,7 @@ mod apart {
     use ltbw::io::{Border, Piece};
     use ltbw::protocol::WorkerId;
     use ltbw::refine::Refiner;
-    use ltbw::refining::{RefineError, TeamRounds, Wishes};
+    use ltbw::refining::{RefineError, TeamEnd, TeamRounds, ThreadedDomain, Wishes};
     use ltbw::threads::{BuiltPart, Parallel, RunError};
     use ltbw::wire::{bytes_of, value_of};
     use ltbw::{Builder, CancelToken, Point};
@@ -77,7 +77,8 @@ mod apart {
         /// Builds the mesh; each process gets its part.
         fn build(&self, builder: &Builder<'_>, slice: &Slice) -> Result<BuiltPart, RunError>;
 
-        /// Refines a domain; where the wishes say so each process keeps its part, if it may.
+        /// Refines a domain in rounds; where the wishes say so each process keeps its part, if it
+        /// may.
         fn refine(
             &self,
             refiner: &Refiner<'_>,
@@ -85,6 +86,15 @@ mod apart {
             work: Work<'_>,
             wishes: Wishes<'_>,
         ) -> Result<TeamRounds, RefineError>;
+
+        /// As `refine`, without rounds.
+        fn refine_freely(
+            &self,
+            refiner: &Refiner<'_>,
+            ready: &Prepared,
+            work: Work<'_>,
+            wishes: Wishes<'_>,
+        ) -> Result<TeamEnd<ThreadedDomain>, RefineError>;
 
         /// The hash of the mesh that the parts of all are.
         fn hash(&self, part: &Part) -> Result<Hashed, Failure>;

@@ -6,7 +6,8 @@ use crate::outcome::{Failure, show};
 use ltbw::domain::Prepared;
 use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
 use ltbw::refining::{
-    Owners, RefineError, RoundFigures, Splits, ThreadedRounds, domain_on_threads, rounds_on_threads,
+    Owners, RefineError, RoundFigures, Splits, ThreadedDomain, ThreadedRounds, domain_on_threads,
+    rounds_on_threads,
 };
 use ltbw::threads::{Parallel, RunError, WorkerStats};
 use std::path::Path;
@@ -97,12 +98,7 @@ pub(crate) fn refine(
     let parallel = Parallel::new(workers).cancel(setting.stop.token());
     let run = match mode {
         Mode::Rounds => rounds_on_threads(refiner, whole, &parallel).map(Made::by_rounds),
-        Mode::Async => domain_on_threads(refiner, whole, &parallel).map(|run| {
-            let splits = run.splits.as_ref().ok().copied();
-            let points = splits.map_or(0, |own| own.inserted.iter().sum());
-            let made = Made { workers: run.workers, owners: run.owners, splits, ..Made::default() };
-            made.told(run.refined, points, run.splits.err())
-        }),
+        Mode::Async => domain_on_threads(refiner, whole, &parallel).map(Made::freely),
     };
     run.map_err(|error| setting.failed(error))
 }
@@ -114,6 +110,14 @@ impl Made {
         let redeals = Redeals::of(&run.figures);
         let made = Self { workers: run.workers, owners: run.owners, redeals, ..Self::default() };
         made.told(run.refined, points, run.ending.err())
+    }
+
+    /// A domain that a crew has refined without rounds, and its part in that.
+    pub(crate) fn freely(run: ThreadedDomain) -> (Refined, Self) {
+        let splits = run.splits.as_ref().ok().copied();
+        let points = splits.map_or(0, |own| own.inserted.iter().sum());
+        let made = Self { workers: run.workers, owners: run.owners, splits, ..Self::default() };
+        made.told(run.refined, points, run.splits.err())
     }
 
     /// Notes why a crew has inserted no point, of this number, if it has not.

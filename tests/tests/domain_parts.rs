@@ -37,7 +37,7 @@ enum Ends {
 
 /// The checker's findings of a mesh in parts. Of the last part a region is another one if it is
 /// `spoilt`.
-fn judged(
+pub(super) fn judged(
     team: &mut Team,
     own: &RefinedPart,
     ready: &Prepared,
@@ -56,7 +56,7 @@ fn judged(
 }
 
 /// The mesh at the first member.
-fn joined(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
+pub(super) fn joined(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
     let distributed::Part { points, numbers, tets, .. } = &own.part;
     let mesh = TetMesh {
         points: points.clone(),

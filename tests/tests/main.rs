@@ -5,6 +5,7 @@ mod corpus;
 mod domain_parts;
 mod elements;
 mod family_predicates;
+mod freely_parts;
 mod golden;
 mod interleaved;
 mod parallel_cgal;

@@ -6,6 +6,7 @@
 mod asked;
 mod draw;
 mod faults;
+mod freely;
 pub(crate) mod library;
 mod readers;
 mod resumed;
@@ -174,6 +175,7 @@ fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
         }
     }
     println!("{} inputs, {runs} runs: one hash each", inputs.len());
+    println!("{} jobs without rounds", freely::run(&bench)?);
     let count = faults::run(&bench)? + resumed::run(&bench)?;
     println!("{count} refusals and faults: each with its word and its code");
     storm::run(&bench, FEW_FAULTS, asked.seed)

@@ -3,7 +3,6 @@
 use crate::args::{Delaunay, MeshArgs};
 use crate::outcome::Failure;
 use crate::streams::is_stdin;
-use crate::workers::Mode;
 use std::path::Path;
 
 /// An option, and whether it was given.
@@ -54,7 +53,6 @@ impl MeshArgs {
     pub(crate) fn for_ranks(&mut self, is_first: bool) -> Result<(), Failure> {
         let options = [
             Asked::new("--workers", self.workers.is_some()),
-            Asked::new("--mode", self.mode != Mode::Rounds),
             Asked::new("--trace", self.trace.is_some()),
         ];
         refused(&options, &self.domain)?;

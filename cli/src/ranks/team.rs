@@ -1,10 +1,11 @@
 //! A process as one of a team: how it begins, agrees with the others, and ends.
 
 use super::checkpoint::{Checkpoint, Job};
-use crate::args::{Args, Command};
+use crate::args::{Args, Command, Refine};
 use crate::binding::sha256;
 use crate::others::{Apart, Ranks, Work, of_rank};
 use crate::outcome::{Exit, Failure};
+use crate::workers::Mode;
 use crate::{console, dispatch, machine, refusal};
 use clap::Parser;
 use ltbw::distributed::{self, Gathered, Hashed, Joined, Part, Points, Slice, SliceError};
@@ -12,7 +13,10 @@ use ltbw::domain::{Prepared, Thickness};
 use ltbw::io::{Border, Piece};
 use ltbw::protocol::WorkerId;
 use ltbw::refine::Refiner;
-use ltbw::refining::{Checkpoints, RefineError, TeamRounds, Wishes, rounds_on_team};
+use ltbw::refining::{
+    Checkpoints, RefineError, TeamEnd, TeamRounds, ThreadedDomain, Wishes, domain_on_team,
+    rounds_on_team,
+};
 use ltbw::team::{LetterFigures, Team, TeamError};
 use ltbw::threads::{BuiltPart, RunError};
 use ltbw::wire::{VERSION, WireError};
@@ -100,6 +104,15 @@ impl Member<'_> {
     }
 
     /// The team has failed.
+    /// Looks whether a refinement has failed by what all have, or by a member.
+    fn look_at<R>(&self, refined: Result<R, RefineError>) -> Result<R, RefineError> {
+        let is_lost = |error: &RefineError| {
+            !matches!(error, RefineError::Build(_) | RefineError::Domain(_) | RefineError::Range)
+        };
+        self.is_broken.set(refined.as_ref().is_err_and(is_lost));
+        refined
+    }
+
     fn lost(&self, error: &TeamError) -> Failure {
         self.is_broken.set(true);
         Failure::Other(error.to_string())
@@ -187,11 +200,24 @@ impl Apart for Member<'_> {
             *self.team.borrow_mut(),
             Wishes { checkpoints, ..wishes },
         );
-        let is_lost = |error: &RefineError| {
-            !matches!(error, RefineError::Build(_) | RefineError::Domain(_) | RefineError::Range)
-        };
-        self.is_broken.set(refined.as_ref().is_err_and(is_lost));
-        refined
+        self.look_at(refined)
+    }
+
+    fn refine_freely(
+        &self,
+        refiner: &Refiner<'_>,
+        ready: &Prepared,
+        Work { parallel, token }: Work<'_>,
+        wishes: Wishes<'_>,
+    ) -> Result<TeamEnd<ThreadedDomain>, RefineError> {
+        let refined = domain_on_team(
+            refiner,
+            (&ready.domain, &ready.lattice),
+            (parallel, token),
+            *self.team.borrow_mut(),
+            wishes,
+        );
+        self.look_at(refined)
     }
 
     fn hash(&self, part: &Part) -> Result<Hashed, Failure> {
@@ -395,8 +421,13 @@ fn begin(mut args: Args, member: &Member<'_>, is_first: bool) -> Result<Exit, Fa
             return Err(Failure::Usage(text.to_owned()));
         }
         Command::Delaunay(own) => own.for_ranks(is_first)?,
-        Command::Mesh(own) => own.for_ranks(is_first)?,
-        Command::Refine(own) => own.mesh.for_ranks(is_first)?,
+        Command::Mesh(own) | Command::Refine(Refine { mesh: own, .. }) => {
+            if own.mode == Mode::Async && member.kept.is_some() {
+                let text = "LTBW_MPI_CHECKPOINT is for rounds: --mode async has none";
+                return Err(Failure::Usage(text.to_owned()));
+            }
+            own.for_ranks(is_first)?;
+        }
         _ => {
             let text = "the processes of a job have two commands, delaunay and mesh";
             return Err(Failure::Usage(text.to_owned()));

@@ -1,9 +1,16 @@
-//! Refinement without rounds, from its start to its end, on simulated processors and on threads.
+//! Refinement without rounds, from its start to its end, on simulated processors and on threads; on
+//! processes in `team`.
+
+#[cfg(feature = "wire")]
+mod team;
+
+#[cfg(feature = "wire")]
+pub use team::domain_on_team;
 
 use super::RefineError;
-use super::domain::{BadItems, DomainMesh, DomainNode, Splits, prepare};
+use super::domain::{BadItems, Begun, DomainMesh, DomainNode, Splits, prepare};
 use super::whole::{Owners, Part, Whole, put_together};
-use crate::mesh::{Layout, Redeal};
+use crate::mesh::{Layout, Redeal, SharedInput};
 use crate::metrics::Summary;
 use crate::protocol::{Config, Correct, Rules};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
@@ -50,17 +57,15 @@ struct Refining<R> {
     told: R,
 }
 
-/// The work of workers, whichever way they run: `run` is given them, gives them back, and tells of
-/// the run. What they leave, such as slivers, the engine does that has begun.
+/// Workers with their lists, and all that they share.
 ///
 /// # Errors
-/// Those of `run`; [`RefineError`] if the domain has no mesh.
-fn refine<'a, C: Rules, R>(
-    delegated: Delegated<'a>,
-    (complex, start): (Complex<'a>, &Start),
+/// [`RefineError`] if the domain has no mesh.
+fn begin<'a, C: Rules>(
+    complex: Complex<'a>,
+    start: &Start,
     (layout, config): (Layout, Config),
-    run: impl FnOnce(Vec<DomainNode<'a, C>>) -> Result<(Vec<DomainNode<'a, C>>, R), RefineError>,
-) -> Result<Refining<R>, RefineError> {
+) -> Result<Begun<'a, BadItems, C>, RefineError> {
     // The budget is shared out beforehand: workers do not know what others have made.
     let share = start.most.saturating_sub(start.made()) / u64::from(layout.workers);
     let items = |me, mesh: &mut DomainMesh<'_>| {
@@ -69,14 +74,19 @@ fn refine<'a, C: Rules, R>(
     };
     // Blocks move one by one there.
     let layout = Layout { redeal: Redeal::Never, ..layout };
-    let (workers, common) = prepare::<_, C>(complex, start, &layout, config, items)?;
-    let (mut splits, mut parts) = (Splits::default(), Vec::new());
-    let (workers, told) = run(workers)?;
-    for worker in workers {
-        let (mesh, source, _) = worker.into_parts();
-        splits.add(&source.splits);
-        parts.push(Part::of(mesh));
-    }
+    prepare::<_, C>(complex, start, &layout, config, items)
+}
+
+/// Puts together what workers have, and lets the engine go on that has begun: with all that they
+/// leave, such as slivers.
+///
+/// # Errors
+/// [`RefineError`] if the parts do not fit, or an item is not in the mesh.
+fn end(
+    delegated: Delegated<'_>,
+    parts: Vec<Part>,
+    (common, start): (SharedInput, &Start),
+) -> Result<(Refined, Owners), RefineError> {
     let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
     let (asked, candidates, stats) = (Vec::new(), 0, delegated.stats());
     let (thin, slivers) = (None, None);
@@ -95,7 +105,30 @@ fn refine<'a, C: Rules, R>(
         blocks: Vec::new(),
         stats,
     };
-    Ok(Refining { refined: delegated.finish(handed)?, splits, owners: Owners(firsts), told })
+    Ok((delegated.finish(handed)?, Owners(firsts)))
+}
+
+/// The work of workers, whichever way they run: `run` is given them, gives them back, and tells of
+/// the run.
+///
+/// # Errors
+/// Those of `run`; [`RefineError`] if the domain has no mesh.
+fn refine<'a, C: Rules, R>(
+    delegated: Delegated<'a>,
+    (complex, start): (Complex<'a>, &Start),
+    plan: (Layout, Config),
+    run: impl FnOnce(Vec<DomainNode<'a, C>>) -> Result<(Vec<DomainNode<'a, C>>, R), RefineError>,
+) -> Result<Refining<R>, RefineError> {
+    let (workers, common) = begin::<C>(complex, start, plan)?;
+    let (mut splits, mut parts) = (Splits::default(), Vec::new());
+    let (workers, told) = run(workers)?;
+    for worker in workers {
+        let (mesh, source, _) = worker.into_parts();
+        splits.add(&source.splits);
+        parts.push(Part::of(mesh));
+    }
+    let (refined, owners) = end(delegated, parts, (common, start))?;
+    Ok(Refining { refined, splits, owners, told })
 }
 
 /// Refines a domain on simulated processors, from the mesh on that the sequential engine has where

@@ -5,12 +5,16 @@ mod domain;
 mod flags;
 mod freely;
 mod news;
+#[cfg(feature = "wire")]
+mod parcel;
 mod rounds;
 mod whole;
 
 pub use domain::{
     BadItems, DomainCargo, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, Splits,
 };
+#[cfg(feature = "wire")]
+pub use freely::domain_on_team;
 pub use freely::{
     SimulatedDomain, ThreadedDomain, domain_on_threads, simulate_domain, simulate_domain_as,
 };
@@ -20,7 +24,7 @@ pub use news::{
 };
 #[cfg(feature = "wire")]
 pub use rounds::{
-    Checkpoints, LateSteps, RefinedPart, RefinedWhole, SliverThere, TeamRounds, Wishes,
+    Checkpoints, LateSteps, RefinedPart, RefinedWhole, SliverThere, TeamEnd, TeamRounds, Wishes,
     rounds_on_team,
 };
 pub use rounds::{

@@ -55,7 +55,9 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
     let mut job = bench.job(2, false);
     job.env("LTBW_MPI_CHECKPOINT", KEPT).arg(&bench.ranked).args(["delaunay", "uniform-40.npy"]);
     expect("a checkpoint of points", &watched(&mut job, PATIENCE)?, 2, "is for domains")?;
-    Ok(8)
+    let outcome = resumed(bench, 2, &["--mode", "async"])?;
+    expect("a checkpoint without rounds", &outcome, 2, "is for rounds")?;
+    Ok(9)
 }
 
 /// A job that loses a process as soon as it has a checkpoint.

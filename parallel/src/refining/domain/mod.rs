@@ -60,7 +60,7 @@ use std::sync::Arc;
 pub type DomainNode<'c, C> = Worker<DomainMesh<'c>, BadItems, C>;
 
 /// Workers, and all that they share.
-type Begun<'c, Q, C> = (Vec<Worker<DomainMesh<'c>, Q, C>>, SharedInput);
+pub(super) type Begun<'c, Q, C> = (Vec<Worker<DomainMesh<'c>, Q, C>>, SharedInput);
 
 /// Places whose weights tell where a worker's part of a domain ends, a worker.
 const PLACES: usize = 4096;

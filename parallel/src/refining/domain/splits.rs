@@ -2,6 +2,7 @@
 
 /// The figures of one worker's refinement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct Splits {
     /// Points inserted on segments, on facets, and inside.
     pub inserted: [u64; 3],

@@ -45,7 +45,7 @@ impl std::fmt::Display for Late {
 ///
 /// # Errors
 /// Why it cannot.
-pub(super) fn look(
+pub(in crate::refining) fn look(
     mesh: &DomainMesh<'_>,
     left: &Left,
     delegated: &Delegated<'_>,

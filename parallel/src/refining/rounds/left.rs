@@ -2,11 +2,17 @@
 
 use super::Left;
 use super::demands::Pending;
+#[cfg(feature = "wire")]
+use super::figures::Ending;
 use super::figures::RoundFigures;
 use super::source::Rounds;
 use crate::protocol::Rules;
+#[cfg(feature = "wire")]
+use crate::protocol::WorkerId;
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::INFINITE;
+#[cfg(feature = "wire")]
+use ltbw_core::topology::TetId;
 use ltbw_refine::{Asked, BoundaryItem, ItemPlace, Refusal, Remaining, TetPlace};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -71,6 +77,39 @@ impl<C: Rules> Rounds<C> {
             blocks,
             ending: self.ending,
             figures: self.figures,
+        }
+    }
+}
+
+#[cfg(feature = "wire")]
+impl Left {
+    /// This work, under other numbers of tetrahedra.
+    pub(super) fn by(self, number: &dyn Fn(TetId) -> Option<TetId>) -> Self {
+        let all = |own: Vec<TetId>| own.into_iter().filter_map(number).collect();
+        let refused = self.refused_tets.into_iter();
+        Self {
+            thin: all(self.thin),
+            slivers: self.slivers.map(all),
+            refused_tets: refused.filter_map(|(t, why)| Some((number(t)?, why))).collect(),
+            ..self
+        }
+    }
+
+    /// Nothing, of a worker without rounds.
+    pub(in crate::refining) fn nothing(worker: WorkerId) -> Self {
+        Self {
+            worker,
+            asked: Vec::new(),
+            refused: Vec::new(),
+            refused_tets: Vec::new(),
+            candidates: 0,
+            spent: 0,
+            thin: Vec::new(),
+            slivers: None,
+            before_slivers: None,
+            blocks: Vec::new(),
+            ending: Some(Ending::Done),
+            figures: RoundFigures::default(),
         }
     }
 }

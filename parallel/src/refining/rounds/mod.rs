@@ -56,6 +56,8 @@ mod contest;
 mod deal;
 mod decide;
 mod demands;
+#[cfg(feature = "wire")]
+mod ends;
 mod figures;
 mod found;
 mod here;
@@ -86,12 +88,17 @@ mod turns;
 mod under_way;
 mod way;
 
+#[cfg(feature = "wire")]
+pub use ends::{LateSteps, TeamEnd};
 pub use figures::{Ending, RoundFigures};
 pub use late::Late;
+pub(super) use late::look;
+#[cfg(feature = "wire")]
+pub(super) use parts::{Ended, Ends, Own, Stays};
 #[cfg(feature = "wire")]
 pub use parts::{RefinedPart, RefinedWhole, SliverThere};
 #[cfg(feature = "wire")]
-pub use ranks::{Checkpoints, LateSteps, TeamRounds, Wishes, rounds_on_team};
+pub use ranks::{Checkpoints, TeamRounds, Wishes, rounds_on_team};
 pub use reserved::unkilled;
 pub use simulated::{SimulatedRounds, simulate_rounds, simulate_rounds_as};
 pub use source::Rounds;
@@ -174,7 +181,7 @@ type Begun<'c, C> = (Vec<RoundNode<'c, C>>, SharedInput);
 
 /// The work that one worker leaves, beside its part of the mesh.
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
-struct Left {
+pub(super) struct Left {
     worker: WorkerId,
     asked: Vec<Asked>,
     /// All boundary items that were refused.
@@ -234,7 +241,7 @@ fn refine<'a, C: Rules>(
         late = None;
         let left = workers.into_iter().map(|worker| {
             let (mesh, left) = ended_by(worker);
-            let why = looks.then(|| late::look(&mesh, &left, &delegated).err()).flatten();
+            let why = looks.then(|| look(&mesh, &left, &delegated).err()).flatten();
             late = late.into_iter().chain(why).min();
             (Part::of(mesh), left)
         });

@@ -1,9 +1,9 @@
 //! The end of rounds at which nothing is left that takes the whole mesh: each member of a team
 //! keeps its part, under the numbers and in the orders of the whole.
 
-use super::{Left, RoundFigures, counted};
+use super::{Late, Left, RoundFigures, counted};
 use crate::distributed::{Part, Shared, Side, Unnumbered, first_of_two, number};
-use crate::refining::domain::DomainMesh;
+use crate::refining::domain::{DomainMesh, Splits};
 use crate::team::{Team, TeamError};
 use crate::threads::WorkerStats;
 use ltbw_core::cavity::OTHERS;
@@ -50,6 +50,8 @@ pub struct RefinedWhole {
     pub workers: Vec<WorkerStats>,
     /// The figures of the rounds.
     pub figures: RoundFigures,
+    /// The figures of the splits, if there were no rounds.
+    pub splits: Option<Splits>,
 }
 
 /// One member's part of a refined domain all of whose bounds are met.
@@ -68,12 +70,20 @@ pub struct RefinedPart {
     pub whole: RefinedWhole,
 }
 
-/// The mesh of a member at the end of its rounds.
-pub(super) struct Ended<'m, 'c> {
-    pub(super) mesh: &'m DomainMesh<'c>,
-    pub(super) left: &'m Left,
+/// The mesh of a member at the end of its work.
+pub(in crate::refining) struct Ended<'m, 'c> {
+    pub(in crate::refining) mesh: &'m DomainMesh<'c>,
+    pub(in crate::refining) left: &'m Left,
     /// The start of these rounds.
-    pub(super) start: &'m Start,
+    pub(in crate::refining) start: &'m Start,
+}
+
+/// The end of a team's work.
+pub(in crate::refining) enum Stays {
+    /// The own part.
+    Part(Box<RefinedPart>),
+    /// Why one member takes over.
+    Not(Late),
 }
 
 /// The words of a member on its part.
@@ -86,6 +96,7 @@ struct Made {
     figures: RoundFigures,
     slivers: Vec<SliverThere>,
     before_slivers: Option<LeastAngles>,
+    splits: Option<Splits>,
 }
 
 impl Ended<'_, '_> {
@@ -112,11 +123,35 @@ impl Ended<'_, '_> {
         thin.iter().filter_map(sliver).collect()
     }
 
+    /// Lets all members keep their parts, if each may: `look` tells which of its tetrahedra may be
+    /// slivers, or why it may not.
+    ///
+    /// # Errors
+    /// [`TeamError`] if a member has failed, or has sent what makes no sense.
+    pub(in crate::refining) fn stay(
+        &self,
+        team: &mut Team,
+        delegated: &Delegated<'_>,
+        mut own: Own<'_>,
+        look: impl FnOnce() -> Result<Vec<TetId>, Late>,
+    ) -> Result<Stays, TeamError> {
+        if !own.ends.in_parts {
+            return Ok(Stays::Not(Late::Asked));
+        }
+        let look = look();
+        let all: Vec<Option<Late>> = team.gather_all(&look.as_ref().err().copied())?;
+        match (look, all.into_iter().flatten().min()) {
+            (Ok(thin), None) => own.thin = thin,
+            (_, Some(why)) | (Err(why), None) => return Ok(Stays::Not(why)),
+        }
+        Ok(Stays::Part(Box::new(self.keep(team, delegated, own)?)))
+    }
+
     /// Makes the part, with the others.
     ///
     /// # Errors
     /// [`TeamError`] if a member has failed, or has sent what makes no sense.
-    pub(super) fn keep(
+    fn keep(
         &self,
         team: &mut Team,
         delegated: &Delegated<'_>,
@@ -126,15 +161,16 @@ impl Ended<'_, '_> {
         let tets = self.mesh.inner.tets();
         let (part, list) = self.list(&of);
         let outside = self.outside(&of, &part);
-        let faces = self.faces(team, &of, &part, &list, own.markers)?;
+        let faces = self.faces(team, &of, &part, &list, own.ends.markers)?;
         let made = Made {
             stats: own.stats,
             predicates: tets.predicates(),
             tets: list.len() as u64,
             hull_faces: tets.tets().filter(|(_, v)| v[3] == INFINITE).count() as u64,
             figures: self.left.figures,
-            slivers: self.slivers(&own.thin, &of, own.fine_step),
+            slivers: self.slivers(&own.thin, &of, own.ends.fine_step),
             before_slivers: self.left.before_slivers,
+            splits: own.splits,
         };
         let all: Vec<Made> = team.gather_all(&made)?;
         let told: Vec<RoundFigures> = all.iter().map(|made| made.figures).collect();
@@ -157,8 +193,12 @@ impl Ended<'_, '_> {
             predicates: PredicateStats::default(),
             workers: Vec::new(),
             figures,
+            splits: None,
         };
         for made in all {
+            if let Some(splits) = &made.splits {
+                whole.splits.get_or_insert_default().add(splits);
+            }
             whole.tets = whole.tets.saturating_add(made.tets);
             whole.hull_faces = whole.hull_faces.saturating_add(made.hull_faces);
             whole.predicates += made.predicates;
@@ -339,14 +379,41 @@ struct Numbers {
     given: Vertex,
 }
 
-/// The things beside the mesh that a member makes its part of.
-pub(super) struct Own<'m> {
-    pub(super) stats: WorkerStats,
-    /// The figures when these rounds began.
-    pub(super) begin: RoundFigures,
-    pub(super) fine_step: f64,
-    /// The tetrahedra that may be slivers.
-    pub(super) thin: Vec<TetId>,
+/// The way in which a refinement is to end.
+#[derive(Clone, Copy)]
+pub(in crate::refining) struct Ends<'p> {
+    /// Each member keeps its part, if it may.
+    pub(in crate::refining) in_parts: bool,
     /// Markers of the domain's facets in place of their own.
-    pub(super) markers: Option<&'m [i32]>,
+    pub(in crate::refining) markers: Option<&'p [i32]>,
+    pub(in crate::refining) fine_step: f64,
+}
+
+/// The things beside the mesh that a member makes its part of.
+pub(in crate::refining) struct Own<'p> {
+    stats: WorkerStats,
+    /// The figures when these rounds began.
+    begin: RoundFigures,
+    ends: Ends<'p>,
+    /// The tetrahedra that may be slivers.
+    thin: Vec<TetId>,
+    /// The figures of a worker without rounds.
+    splits: Option<Splits>,
+}
+
+impl<'p> Own<'p> {
+    /// The things of a member, without rounds before.
+    pub(in crate::refining) fn new(stats: WorkerStats, ends: Ends<'p>) -> Self {
+        Self { stats, begin: RoundFigures::default(), ends, thin: Vec::new(), splits: None }
+    }
+
+    /// These, of a worker whose rounds had these figures when they began.
+    pub(super) fn after(self, begin: RoundFigures) -> Self {
+        Self { begin, ..self }
+    }
+
+    /// These, of a worker that has split without rounds.
+    pub(in crate::refining) fn without_rounds(self, splits: Splits) -> Self {
+        Self { splits: Some(splits), ..self }
+    }
 }

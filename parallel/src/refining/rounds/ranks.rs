@@ -3,59 +3,26 @@
 //! what they leave, as it does with threads.
 
 use super::deal::{self, Common, Exchange, To, Value, redeal};
+use super::ends::{LateSteps, TeamEnd};
 use super::late::{self, Late};
-use super::parts::{Ended, Own, RefinedPart};
+use super::parts::{Ended, Ends, Own, Stays};
 use super::{
     Ending, Left, Resumed, RoundNode, Then, ThreadedRounds, begin, ended_by, finish, go_on, join,
     told_of,
 };
-use crate::mesh::share::{Share, put_back, share_of};
-use crate::mesh::{SharedInput, VertexName};
+use crate::mesh::SharedInput;
 use crate::protocol::{Correct, WorkerId};
 use crate::refining::RefineError;
 use crate::refining::domain::DomainMesh;
+use crate::refining::parcel::{Collected, Parcel, of_team};
 use crate::refining::whole::{Owners, Part};
 use crate::team::{Team, TeamError};
-use crate::threads::{Parallel, RunError, WorkerStats};
+use crate::threads::{Parallel, WorkerStats};
 use crate::wire::{bytes_of, value_of};
 use ltbw_core::CancelToken;
-use ltbw_core::topology::TetId;
 use ltbw_domain::{Domain, Lattice};
-use ltbw_exact::Mode;
-use ltbw_refine::{Carrier, Complex, ComplexError, Delegated, RefineStats, Refiner, Start};
+use ltbw_refine::{Complex, ComplexError, Delegated, RefineStats, Refiner, Start};
 use std::time::Instant;
-
-/// A worker's part and the work that it leaves, as they travel.
-#[derive(serde::Serialize, serde::Deserialize)]
-struct Parcel {
-    share: Share,
-    made: Vec<(VertexName, Carrier)>,
-    /// By tetrahedron of the share.
-    regions: Vec<u32>,
-    /// Tetrahedra have their numbers in the share.
-    left: Left,
-    stats: WorkerStats,
-}
-
-impl Parcel {
-    fn of((part, mut left): (Part, Left), stats: WorkerStats) -> Self {
-        let (share, slots) = share_of(&part.mesh);
-        let region = |t: &TetId| part.regions.get(t.index()).copied().unwrap_or_default();
-        let regions = slots.iter().map(region).collect();
-        let number = |t: TetId| slots.binary_search(&t).ok().map(TetId::at);
-        left.thin = left.thin.into_iter().filter_map(number).collect();
-        let slivers = left.slivers.map(|own| own.into_iter().filter_map(number).collect());
-        left.slivers = slivers;
-        let tets = left.refused_tets.into_iter();
-        left.refused_tets = tets.filter_map(|(t, why)| Some((number(t)?, why))).collect();
-        Self { share, made: part.made, regions, left, stats }
-    }
-}
-
-/// An error of a team, among those of a refinement.
-fn of_team(error: impl Into<TeamError>) -> RefineError {
-    RunError::from(error.into()).into()
-}
 
 /// The state in which workers go on after another one has taken over, with the mesh as it is then.
 type Again = Option<(Start, Resumed)>;
@@ -94,37 +61,8 @@ pub struct Wishes<'k> {
     pub markers: Option<&'k [i32]>,
 }
 
-/// A domain that a team has refined, as one member has it.
-#[derive(Debug)]
-pub enum TeamRounds {
-    /// Its part.
-    Part(Box<RefinedPart>),
-    /// The whole, at the first member: why, and since when.
-    Whole(Box<ThreadedRounds>, LateSteps),
-    /// Nothing, as the first member has the whole.
-    Elsewhere,
-}
-
-impl TeamRounds {
-    /// The whole mesh, if this member has it.
-    pub fn into_whole(self) -> Option<ThreadedRounds> {
-        match self {
-            Self::Whole(whole, _) => Some(*whole),
-            Self::Part(_) | Self::Elsewhere => None,
-        }
-    }
-}
-
-/// The work of one member on a whole mesh, in the end.
-#[derive(Clone, Copy, Debug)]
-pub struct LateSteps {
-    /// Why.
-    pub why: Late,
-    /// Tetrahedra that it was given by the others, its own among them.
-    pub tets: u64,
-    /// The time from where the others had ended.
-    pub seconds: f64,
-}
+/// A domain that a team has refined in rounds, as one member has it.
+pub type TeamRounds = TeamEnd<ThreadedRounds>;
 
 /// Refines a domain in rounds as one member of a team, all of whose members are given the same
 /// domain and bounds.
@@ -170,14 +108,6 @@ pub fn rounds_on_team(
     }
 }
 
-/// The way in which a refinement is to end.
-#[derive(Clone, Copy)]
-struct Ends<'p> {
-    in_parts: bool,
-    markers: Option<&'p [i32]>,
-    fine_step: f64,
-}
-
 /// One member's part in a refinement.
 struct Member<'m, 'p> {
     parallel: &'m Parallel<'p>,
@@ -193,14 +123,6 @@ struct Rest<'c> {
     mesh: DomainMesh<'c>,
     left: Left,
     common: SharedInput,
-}
-
-/// The end of rounds, if they are the last.
-enum Stays {
-    /// The own part.
-    Part(Box<RefinedPart>),
-    /// Why one member takes over.
-    Not(Late),
 }
 
 /// The way of values between the members of a team.
@@ -224,12 +146,6 @@ impl Exchange for OnTeam<'_> {
         let values = sent.map(|(from, bytes)| Ok((from, value_of(from, bytes).map_err(of_team)?)));
         Ok(vec![values.collect::<Result<To<T>, RefineError>>()?])
     }
-}
-
-/// The parts of all members, each with the work that it leaves, and the figures of all.
-struct Collected {
-    parts: Vec<(Part, Left)>,
-    stats: Vec<WorkerStats>,
 }
 
 impl Member<'_, '_> {
@@ -274,21 +190,10 @@ impl Member<'_, '_> {
         delegated: &Delegated<'_>,
         (start, resumed): (&Start, &Resumed),
     ) -> Result<Stays, RefineError> {
-        let Ends { in_parts, markers, fine_step } = self.ends;
-        if !in_parts {
-            return Ok(Stays::Not(Late::Asked));
-        }
-        let ended = Ended { mesh: &rest.mesh, left: &rest.left, start };
-        let look = late::look(&rest.mesh, &rest.left, delegated);
-        let all: Vec<Option<Late>> =
-            self.team.gather_all(&look.as_ref().err().copied()).map_err(of_team)?;
-        let (thin, begin) = match (look, all.into_iter().flatten().min()) {
-            (Ok(thin), None) => (thin, resumed.figures),
-            (_, Some(why)) | (Err(why), None) => return Ok(Stays::Not(why)),
-        };
-        let own = Own { stats: self.stats, begin, fine_step, thin, markers };
-        let part = ended.keep(self.team, delegated, own).map_err(of_team)?;
-        Ok(Stays::Part(Box::new(part)))
+        let Rest { mesh, left, .. } = rest;
+        let ended = Ended { mesh, left, start };
+        let own = Own::new(self.stats, self.ends).after(resumed.figures);
+        ended.stay(self.team, delegated, own, || late::look(mesh, left, delegated)).map_err(of_team)
     }
 
     /// The first one's: puts together what all leave, and takes over.
@@ -324,7 +229,8 @@ impl Member<'_, '_> {
             }
             let Rest { mesh, left, common } = rest;
             let left = (Part::of(mesh), left);
-            let Collected { parts: all, stats } = self.collect(left, &common)?;
+            let Collected { parts: all, stats } =
+                Collected::at_first(self.team, left, self.stats, &common)?;
             workers = stats;
             let before = (&start, delegated.stats());
             let (handed, ending, slots) = join(all, common, before, &mut resumed.figures)?;
@@ -377,8 +283,9 @@ impl Member<'_, '_> {
             if let Stays::Part(part) = self.stay(&rest, delegated, (&again.0, &again.1))? {
                 return Ok(TeamRounds::Part(part));
             }
-            let left = (Part::of(rest.mesh), rest.left);
-            self.team.send_parcel(&Parcel::of(left, self.stats)).map_err(of_team)?;
+            let parcel =
+                Parcel::of(&Part::of(rest.mesh), self.stats, |number| rest.left.by(number));
+            self.team.send_parcel(&parcel).map_err(of_team)?;
             match self.team.tell_value(None::<Again>).map_err(of_team)? {
                 None => return Ok(TeamRounds::Elsewhere),
                 Some(told) => again = told,
@@ -386,28 +293,5 @@ impl Member<'_, '_> {
             // The boundary and the bounds are those at the start.
             complex = delegated.complex()?.0;
         }
-    }
-
-    /// The parts of all members, the work that they leave, and their figures.
-    fn collect(
-        &mut self,
-        own: (Part, Left),
-        common: &SharedInput,
-    ) -> Result<Collected, RefineError> {
-        let (mut stats, mut shares, mut rest) = (vec![self.stats], Vec::new(), Vec::new());
-        for (from, parcel) in self.team.parcels::<Parcel>().map_err(of_team)? {
-            parcel.share.is_of(from).map_err(RunError::from)?;
-            stats.push(parcel.stats);
-            shares.push(parcel.share);
-            rest.push((parcel.made, parcel.regions, parcel.left));
-        }
-        // The coordinates at the start are those that the kernel computes with.
-        let meshes = put_back(shares, &own.0.mesh, common, Mode::Normal).map_err(RunError::from)?;
-        let mut all = vec![own];
-        for (mesh, (made, mut regions, left)) in meshes.into_iter().zip(rest) {
-            regions.resize(mesh.tets().topology().slots(), 0);
-            all.push((Part { mesh, made, regions }, left));
-        }
-        Ok(Collected { parts: all, stats })
     }
 }
