@@ -12,9 +12,9 @@ use ltbw_refine::Delegated;
 pub enum Late {
     /// It was asked for as a whole.
     Asked,
-    /// The members have carried out no rounds.
+    /// The members have refined nothing.
     Alone,
-    /// The run was stopped, or rounds do not know how to go on.
+    /// The run was stopped, or its workers do not know how to go on.
     Stopped,
     /// Flat tetrahedra at facets that are coplanar within a tolerance go to their other side.
     Dust,
@@ -31,7 +31,7 @@ impl std::fmt::Display for Late {
         f.write_str(match self {
             Self::Asked => "what is written takes the whole mesh",
             Self::Alone => "one process has refined it",
-            Self::Stopped => "the rounds have stopped early",
+            Self::Stopped => "the workers have stopped early",
             Self::Dust => "flat tetrahedra are on the inner side of facets",
             Self::Smoothing => "vertices are moved",
             Self::Refused => "something cannot be split",
