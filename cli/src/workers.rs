@@ -115,7 +115,7 @@ impl Made {
     /// A domain that a crew has refined without rounds, and its part in that.
     pub(crate) fn freely(run: ThreadedDomain) -> (Refined, Self) {
         let splits = run.splits.as_ref().ok().copied();
-        let points = splits.map_or(0, |own| own.inserted.iter().sum());
+        let points = splits.map_or(0, |own| own.inserted.into_iter().fold(0, u64::saturating_add));
         let made = Self { workers: run.workers, owners: run.owners, splits, ..Self::default() };
         made.told(run.refined, points, run.splits.err())
     }
@@ -147,7 +147,7 @@ pub(crate) fn print_workers(made: &Made) {
         console::people(&format!(
             "by them   {segments} points on segments, {facets} on facets, {inside} inside; \
              {deferred} gave way, {} left to one processor",
-            refused.iter().sum::<u64>()
+            refused.iter().fold(0, |sum: u64, own| sum.saturating_add(*own))
         ));
         // Points that give way, or do nothing, have cavities, too.
         points = "cavities";

@@ -103,7 +103,6 @@ impl Member<'_> {
         }
     }
 
-    /// The team has failed.
     /// Looks whether a refinement has failed by what all have, or by a member.
     fn look_at<R>(&self, refined: Result<R, RefineError>) -> Result<R, RefineError> {
         let is_lost = |error: &RefineError| {
@@ -113,6 +112,7 @@ impl Member<'_> {
         refined
     }
 
+    /// The team has failed.
     fn lost(&self, error: &TeamError) -> Failure {
         self.is_broken.set(true);
         Failure::Other(error.to_string())

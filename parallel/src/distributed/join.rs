@@ -60,7 +60,7 @@ pub fn join(
     }
     match all.points.iter().position(is_untold) {
         Some(k) => Err(refused(me, [k, length], "a vertex that nobody has told").into()),
-        None => Ok(Some(all.joined())),
+        None => Ok(Some(all.joined()?)),
     }
 }
 
@@ -116,7 +116,7 @@ impl Told {
             let odd = |what| odd(k, points, <[u64; 4]>::BYTES, what);
             let own = usize::try_from(v).ok().and_then(|v| self.points.get_mut(v));
             let (own, point) =
-                (own.ok_or(odd("a number of no point"))?, [x, y, z].map(f64::from_bits));
+                (own.ok_or_else(|| odd("a number of no point"))?, [x, y, z].map(f64::from_bits));
             if point.iter().any(|c| !c.is_finite()) {
                 return Err(odd("a coordinate that is not finite"));
             }
@@ -156,7 +156,10 @@ impl Told {
     }
 
     /// The mesh.
-    fn joined(self) -> Joined {
+    ///
+    /// # Errors
+    /// [`WireError`] if two members have told of one tetrahedron.
+    fn joined(self) -> Result<Joined, WireError> {
         let Self { points, parts } = self;
         let count = parts.iter().map(|own| own.tets.len()).sum();
         let (mut tets, mut regions) = (Vec::with_capacity(count), Vec::with_capacity(count));
@@ -174,6 +177,11 @@ impl Told {
                 PeekMut::pop(head);
                 continue;
             };
+            if tets.last() == Some(&tet) {
+                let places = [place, parts[part].tets.len()].map(|k| k * <[Vertex; 4]>::BYTES);
+                let from = WorkerId::new(part as u32);
+                return Err(refused(from, places, "a tetrahedron that another one has told"));
+            }
             // The triangles of a tetrahedron stay in their order.
             while let Some(face) = triangles.next_if(|face| face.tet == place) {
                 faces.push(BoundaryFace { tet: tets.len(), ..*face });
@@ -187,7 +195,7 @@ impl Told {
             }
         }
         let mesh = TetMesh { points, tets, tet_tags: Some(regions), faces, ..TetMesh::default() };
-        Joined { mesh, owners }
+        Ok(Joined { mesh, owners })
     }
 }
 

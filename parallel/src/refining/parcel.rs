@@ -32,7 +32,7 @@ pub(super) struct Parcel<L> {
 impl<L> Parcel<L> {
     /// The parcel of a part; `left` is given the numbers that tetrahedra have in it.
     pub(super) fn of(
-        part: &Part,
+        part: Part,
         stats: WorkerStats,
         left: impl FnOnce(&dyn Fn(TetId) -> Option<TetId>) -> L,
     ) -> Self {
@@ -40,7 +40,7 @@ impl<L> Parcel<L> {
         let region = |t: &TetId| part.regions.get(t.index()).copied().unwrap_or_default();
         let regions = slots.iter().map(region).collect();
         let left = left(&|t| slots.binary_search(&t).ok().map(TetId::at));
-        Self { share, made: part.made.clone(), regions, left, stats }
+        Self { share, made: part.made, regions, left, stats }
     }
 }
 

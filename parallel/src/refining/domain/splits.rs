@@ -16,9 +16,11 @@ pub struct Splits {
 
 impl Splits {
     pub(in super::super) fn add(&mut self, other: &Self) {
-        self.inserted.iter_mut().zip(other.inserted).for_each(|(sum, own)| *sum += own);
-        self.deferred += other.deferred;
-        self.useless += other.useless;
-        self.refused.iter_mut().zip(other.refused).for_each(|(sum, own)| *sum += own);
+        // They may have come from another process.
+        let add = |sum: &mut u64, own: u64| *sum = sum.saturating_add(own);
+        self.inserted.iter_mut().zip(other.inserted).for_each(|(sum, own)| add(sum, own));
+        add(&mut self.deferred, other.deferred);
+        add(&mut self.useless, other.useless);
+        self.refused.iter_mut().zip(other.refused).for_each(|(sum, own)| add(sum, own));
     }
 }

@@ -57,14 +57,19 @@ pub fn domain_on_team(
         nodes.into_iter().nth(me.index()).ok_or_else(|| of_team(TeamError::Failed(me)))?;
     let (node, stats) = parallel.run_on(team, node)?;
     let since = Instant::now();
-    let is_over = !node.has_dropped_points();
+    // A member that was stopped may have ended before the others heard of it.
+    let is_cut = node.has_dropped_points() || cancel.is_cancelled();
+    let is_cut = team.is_any(is_cut).map_err(of_team)?;
+    if is_cut {
+        cancel.cancel();
+    }
     let (mesh, source, _) = node.into_parts();
     let (splits, left) = (source.splits, Left::nothing(me));
     let ended = Ended { mesh: &mesh, left: &left, start: &start };
     let fine_step = lattice.fine_step();
     let own = Own::new(stats, Ends { in_parts, markers, fine_step }).without_rounds(splits);
     let look = || match () {
-        () if !is_over => Err(Late::Stopped),
+        () if is_cut => Err(Late::Stopped),
         () if splits.refused != [0; 2] => Err(Late::Refused),
         () => look(&mesh, &left, &delegated),
     };
@@ -74,7 +79,8 @@ pub fn domain_on_team(
     };
     let part = Part::of(mesh);
     if !team.is_first() {
-        team.send_parcel(&Parcel::of(&part, stats, |_| splits)).map_err(of_team)?;
+        let parcel = Parcel::of(part, stats, |_| splits);
+        team.send_parcel(&parcel).map_err(of_team)?;
         return Ok(TeamEnd::Elsewhere);
     }
     let Collected { parts, stats: workers } =

@@ -43,6 +43,7 @@
 //! | `way` | straight ways to proposed points |
 //! | `ranks`, `simulated` | a worker in each process of a team; on simulated processors |
 //! | `late`, `parts` | what takes the whole mesh in the end; processes that keep their parts |
+//! | `ends` | what each member of a team has in the end |
 
 mod ahead;
 mod barriers;

@@ -283,8 +283,7 @@ impl Member<'_, '_> {
             if let Stays::Part(part) = self.stay(&rest, delegated, (&again.0, &again.1))? {
                 return Ok(TeamRounds::Part(part));
             }
-            let parcel =
-                Parcel::of(&Part::of(rest.mesh), self.stats, |number| rest.left.by(number));
+            let parcel = Parcel::of(Part::of(rest.mesh), self.stats, |number| rest.left.by(number));
             self.team.send_parcel(&parcel).map_err(of_team)?;
             match self.team.tell_value(None::<Again>).map_err(of_team)? {
                 None => return Ok(TeamRounds::Elsewhere),
