@@ -116,17 +116,22 @@ fn what_is_stopped_without_rounds_is_one_members() {
             }
             let (whole, threads) = ((&ready.domain, &ready.lattice), parallel.cancel(&token));
             let wishes = Wishes { in_parts: true, ..Wishes::default() };
-            domain_on_team(refiner, whole, (&threads, &token), team, wishes).expect("a mesh")
+            let refiner = refiner.cancel(&token);
+            domain_on_team(&refiner, whole, (&threads, &token), team, wishes)
         });
-        let mut first = ends.into_iter().map(TeamEnd::into_whole);
-        let whole = first.next().flatten().expect("the first one has the mesh");
-        assert!(first.all(|end| end.is_none()), "the others have nothing");
-        whole.refined
+        let mut ends = ends.into_iter().map(|end| end.map(TeamEnd::into_whole));
+        let first = ends.next().expect("the first member");
+        assert!(ends.all(|end| end.is_ok_and(|end| end.is_none())), "the others have nothing");
+        first.map(|whole| whole.expect("the first one has the mesh").refined)
     };
     for member in 0..3 {
-        assert_eq!(refined(&refiner, Some(member)).outcome, RefineOutcome::Cancelled, "{member}");
+        match refined(&refiner, Some(member)) {
+            Ok(whole) => assert_eq!(whole.outcome, RefineOutcome::Cancelled, "{member}"),
+            // It was stopped before there was a mesh.
+            Err(error) => assert!(error.to_string().contains("cancelled"), "{member}: {error}"),
+        }
     }
-    let small = refined(&refiner.max_points(1000), None);
+    let small = refined(&refiner.max_points(1000), None).expect("a mesh");
     assert_eq!(small.outcome, RefineOutcome::Budget);
     let RefineStats { segment_points, facet_points, free_points, .. } = small.stats;
     let points = segment_points + facet_points + free_points;
