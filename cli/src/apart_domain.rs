@@ -22,7 +22,7 @@ use crate::quality_apart;
 use crate::report::{Seconds, measured_json};
 use crate::surface::print_patches;
 use crate::task::{Beside, Judged};
-use crate::workers::{Made, Mode, Redeals, Setting, print_workers};
+use crate::workers::{Made, Redeals, Setting, print_workers};
 use ltbw::TetMesh;
 use ltbw::distributed::Joined;
 use ltbw::domain::Prepared;
@@ -48,18 +48,11 @@ pub(crate) fn mesh(
         let progress = Progress::begin("recover", task.stop.begun());
         let parallel = Parallel::new(others.size()).among_processes();
         let parallel = parallel.cancel(task.stop.token());
-        let work = Work { parallel: &parallel, token: task.stop.token() };
+        let mode = job.crew.map(|crew| crew.mode).unwrap_or_default();
+        let work = Work { parallel: &parallel, token: task.stop.token(), mode };
         let markers = job.boundary.markers();
         let wishes = Wishes { in_parts: !job.keep_exterior, markers, ..Wishes::default() };
-        let refiner = job.refiner(&progress);
-        let end = match job.crew.map(|crew| crew.mode) {
-            Some(Mode::Async) => {
-                others.refine_freely(&refiner, ready, work, wishes).map(|end| end.map(Made::freely))
-            }
-            Some(Mode::Rounds) | None => {
-                others.refine(&refiner, ready, work, wishes).map(|end| end.map(Made::by_rounds))
-            }
-        };
+        let end = others.refine(&job.refiner(&progress), ready, work, wishes);
         end.map_err(|error| Setting { name: task.name, stop: task.stop }.failed(error))?
     };
     seconds.refine = clock.elapsed().as_secs_f64();

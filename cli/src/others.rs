@@ -34,12 +34,13 @@ pub(crate) fn of_rank(rank: u32, why: &str) -> String {
 mod apart {
     use super::of_rank;
     use crate::outcome::Failure;
+    use crate::workers::{Made, Mode};
     use ltbw::distributed::{Gathered, Hashed, Joined, Part, Points, Slice, SliceError};
     use ltbw::domain::{Prepared, Thickness};
     use ltbw::io::{Border, Piece};
     use ltbw::protocol::WorkerId;
-    use ltbw::refine::Refiner;
-    use ltbw::refining::{RefineError, TeamEnd, TeamRounds, ThreadedDomain, Wishes};
+    use ltbw::refine::{Refined, Refiner};
+    use ltbw::refining::{RefineError, TeamEnd, Wishes};
     use ltbw::threads::{BuiltPart, Parallel, RunError};
     use ltbw::wire::{bytes_of, value_of};
     use ltbw::{Builder, CancelToken, Point};
@@ -47,11 +48,12 @@ mod apart {
     use serde::Serialize;
     use serde::de::DeserializeOwned;
 
-    /// The workers of a job, and what stops them.
+    /// The workers of a job, what stops them, and how they refine.
     #[derive(Clone, Copy)]
     pub(crate) struct Work<'w> {
         pub(crate) parallel: &'w Parallel<'w>,
         pub(crate) token: &'w CancelToken,
+        pub(crate) mode: Mode,
     }
 
     /// Processes each of which has a slice of the points, and a part of the mesh.
@@ -77,24 +79,14 @@ mod apart {
         /// Builds the mesh; each process gets its part.
         fn build(&self, builder: &Builder<'_>, slice: &Slice) -> Result<BuiltPart, RunError>;
 
-        /// Refines a domain in rounds; where the wishes say so each process keeps its part, if it
-        /// may.
+        /// Refines a domain; where the wishes say so each process keeps its part, if it may.
         fn refine(
             &self,
             refiner: &Refiner<'_>,
             ready: &Prepared,
             work: Work<'_>,
             wishes: Wishes<'_>,
-        ) -> Result<TeamRounds, RefineError>;
-
-        /// As `refine`, without rounds.
-        fn refine_freely(
-            &self,
-            refiner: &Refiner<'_>,
-            ready: &Prepared,
-            work: Work<'_>,
-            wishes: Wishes<'_>,
-        ) -> Result<TeamEnd<ThreadedDomain>, RefineError>;
+        ) -> Result<TeamEnd<(Refined, Made)>, RefineError>;
 
         /// The hash of the mesh that the parts of all are.
         fn hash(&self, part: &Part) -> Result<Hashed, Failure>;

@@ -70,7 +70,7 @@ const IN_PARTS: [&str; 4] = ["parts.pvtu", "parts_%.msh", "parts.mfem", "parts.v
 const WHOLE: [[&str; 2]; 3] =
     [["alone.vtu", "whole.vtu"], ["alone.msh", "whole.msh"], ["alone.svg", "whole.svg"]];
 
-/// The options for the two files of a domain that are made of the whole mesh.
+/// The options for the files of a domain that are made of the whole mesh.
 fn whole_of(input: &Input, way: usize) -> Vec<String> {
     match input.is_domain() {
         true => {

@@ -5,18 +5,15 @@ use crate::args::{Args, Command, Refine};
 use crate::binding::sha256;
 use crate::others::{Apart, Ranks, Work, of_rank};
 use crate::outcome::{Exit, Failure};
-use crate::workers::Mode;
+use crate::workers::{Made, Mode};
 use crate::{console, dispatch, machine, refusal};
 use clap::Parser;
 use ltbw::distributed::{self, Gathered, Hashed, Joined, Part, Points, Slice, SliceError};
 use ltbw::domain::{Prepared, Thickness};
 use ltbw::io::{Border, Piece};
 use ltbw::protocol::WorkerId;
-use ltbw::refine::Refiner;
-use ltbw::refining::{
-    Checkpoints, RefineError, TeamEnd, TeamRounds, ThreadedDomain, Wishes, domain_on_team,
-    rounds_on_team,
-};
+use ltbw::refine::{Refined, Refiner};
+use ltbw::refining::{Checkpoints, RefineError, TeamEnd, Wishes, domain_on_team, rounds_on_team};
 use ltbw::team::{LetterFigures, Team, TeamError};
 use ltbw::threads::{BuiltPart, RunError};
 use ltbw::wire::{VERSION, WireError};
@@ -103,15 +100,6 @@ impl Member<'_> {
         }
     }
 
-    /// Looks whether a refinement has failed by what all have, or by a member.
-    fn look_at<R>(&self, refined: Result<R, RefineError>) -> Result<R, RefineError> {
-        let is_lost = |error: &RefineError| {
-            !matches!(error, RefineError::Build(_) | RefineError::Domain(_) | RefineError::Range)
-        };
-        self.is_broken.set(refined.as_ref().is_err_and(is_lost));
-        refined
-    }
-
     /// The team has failed.
     fn lost(&self, error: &TeamError) -> Failure {
         self.is_broken.set(true);
@@ -179,9 +167,9 @@ impl Apart for Member<'_> {
         &self,
         refiner: &Refiner<'_>,
         ready: &Prepared,
-        Work { parallel, token }: Work<'_>,
+        Work { parallel, token, mode }: Work<'_>,
         wishes: Wishes<'_>,
-    ) -> Result<TeamRounds, RefineError> {
+    ) -> Result<TeamEnd<(Refined, Made)>, RefineError> {
         let from = self.kept.as_ref().and_then(|own| own.from.take());
         let keep = |rounds: u64, state: &[u8]| {
             if let Some(Kept { file, job, .. }) = &self.kept {
@@ -193,31 +181,24 @@ impl Apart for Member<'_> {
             from: from.as_deref(),
             keep: Some(&keep),
         };
-        let refined = rounds_on_team(
-            refiner,
-            (&ready.domain, &ready.lattice),
-            (parallel, token),
-            *self.team.borrow_mut(),
-            Wishes { checkpoints, ..wishes },
-        );
-        self.look_at(refined)
-    }
-
-    fn refine_freely(
-        &self,
-        refiner: &Refiner<'_>,
-        ready: &Prepared,
-        Work { parallel, token }: Work<'_>,
-        wishes: Wishes<'_>,
-    ) -> Result<TeamEnd<ThreadedDomain>, RefineError> {
-        let refined = domain_on_team(
-            refiner,
-            (&ready.domain, &ready.lattice),
-            (parallel, token),
-            *self.team.borrow_mut(),
-            wishes,
-        );
-        self.look_at(refined)
+        let (whole, threads) = ((&ready.domain, &ready.lattice), (parallel, token));
+        let mut team = self.team.borrow_mut();
+        let refined = match mode {
+            Mode::Rounds => {
+                let wishes = Wishes { checkpoints, ..wishes };
+                let end = rounds_on_team(refiner, whole, threads, *team, wishes);
+                end.map(|end| end.map(Made::by_rounds))
+            }
+            Mode::Async => {
+                let end = domain_on_team(refiner, whole, threads, *team, wishes);
+                end.map(|end| end.map(Made::freely))
+            }
+        };
+        let is_lost = |error: &RefineError| {
+            !matches!(error, RefineError::Build(_) | RefineError::Domain(_) | RefineError::Range)
+        };
+        self.is_broken.set(refined.as_ref().is_err_and(is_lost));
+        refined
     }
 
     fn hash(&self, part: &Part) -> Result<Hashed, Failure> {

@@ -164,32 +164,27 @@ impl Told {
         let count = parts.iter().map(|own| own.tets.len()).sum();
         let (mut tets, mut regions) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let (mut owners, mut faces) = (Vec::with_capacity(count), Vec::new());
-        let mut ways: Vec<_> = parts
-            .iter()
-            .map(|own| (own.tets.iter().zip(&own.regions).enumerate(), own.faces.iter().peekable()))
-            .collect();
+        let mut triangles: Vec<_> = parts.iter().map(|own| own.faces.iter().peekable()).collect();
+        let mut places = vec![0; parts.len()];
         let first = |part: usize| Some(Reverse((*parts[part].tets.first()?, part)));
         let mut heads: BinaryHeap<_> = (0..parts.len()).filter_map(first).collect();
         while let Some(mut head) = heads.peek_mut() {
-            let part = head.0.1;
-            let (own, triangles) = &mut ways[part];
-            let Some((place, (&tet, &region))) = own.next() else {
-                PeekMut::pop(head);
-                continue;
-            };
+            let (tet, part) = head.0;
+            let (own, place) = (&parts[part], places[part]);
             if tets.last() == Some(&tet) {
-                let places = [place, parts[part].tets.len()].map(|k| k * <[Vertex; 4]>::BYTES);
+                let ends = [place, own.tets.len()].map(|k| k * <[Vertex; 4]>::BYTES);
                 let from = WorkerId::new(part as u32);
-                return Err(refused(from, places, "a tetrahedron that another one has told"));
+                return Err(refused(from, ends, "a tetrahedron that another one has told"));
             }
             // The triangles of a tetrahedron stay in their order.
-            while let Some(face) = triangles.next_if(|face| face.tet == place) {
+            while let Some(face) = triangles[part].next_if(|face| face.tet == place) {
                 faces.push(BoundaryFace { tet: tets.len(), ..*face });
             }
             tets.push(tet);
-            regions.push(region);
+            regions.push(own.regions[place]);
             owners.push(part as u32);
-            match parts[part].tets.get(place + 1) {
+            places[part] = place + 1;
+            match own.tets.get(place + 1) {
                 Some(&next) => head.0.0 = next,
                 None => drop(PeekMut::pop(head)),
             }

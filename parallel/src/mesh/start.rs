@@ -165,10 +165,7 @@ impl Layout {
         let kernel = set.kernel_points();
         let mut order = match only {
             None => cut.map_or_else(|| hilbert(&kernel), |cut| cut.curve.order(&kernel)),
-            Some(only) => {
-                let points: Vec<Point> = only.iter().map(|&i| kernel[i as usize]).collect();
-                hilbert(&points).into_iter().map(|k| only[k as usize]).collect()
-            }
+            Some(only) => along_own(&kernel, only),
         };
         if cancel.is_some_and(CancelToken::is_cancelled) {
             return Err(BuildError::Cancelled);
@@ -178,10 +175,7 @@ impl Layout {
             let ends: Vec<usize> = (0..=workers).map(|w| w * order.len() / workers).collect();
             for pair in ends.windows(2) {
                 let own = &mut order[pair[0]..pair[1]];
-                let points: Vec<Point> = own.iter().map(|&i| kernel[i as usize]).collect();
-                let along: Vec<Vertex> =
-                    hilbert(&points).into_iter().map(|k| own[k as usize]).collect();
-                own.copy_from_slice(&along);
+                own.copy_from_slice(&along_own(&kernel, own));
             }
         }
         // With room for the vertex at infinity, which the gathered mesh has in front.
@@ -313,6 +307,12 @@ impl Layout {
         let first = me.number() * self.blocks_per_worker;
         block(first).start..block(first + self.blocks_per_worker - 1).end
     }
+}
+
+/// Some points, by index, along a curve through these alone.
+fn along_own(kernel: &[Point], some: &[u32]) -> Vec<u32> {
+    let points: Vec<Point> = some.iter().map(|&i| kernel[i as usize]).collect();
+    hilbert(&points).into_iter().map(|k| some[k as usize]).collect()
 }
 
 /// A curve that is cut into blocks of about equal weight.
