@@ -19,17 +19,17 @@ use crate::picture::histograms;
 use crate::plc::plc_of;
 use crate::progress::{Progress, Stage};
 use crate::quality_apart;
-use crate::report::{Seconds, measured_json};
+use crate::report::{Report, Seconds, measured_json};
 use crate::surface::print_patches;
 use crate::task::{Beside, Judged};
 use crate::workers::{Made, Redeals, Setting, print_workers};
 use ltbw::TetMesh;
-use ltbw::distributed::Joined;
+use ltbw::distributed::{Joined, Part};
 use ltbw::domain::Prepared;
 use ltbw::io::{Arrays, Piece};
 use ltbw::quality;
 use ltbw::refine::{ExcusedShare, RefineOutcome, Sliver, Verdict, attributes_of};
-use ltbw::refining::{LateSteps, RefinedPart, RefinedWhole, TeamEnd, Wishes};
+use ltbw::refining::{LateSteps, PartMesh, RefinedPart, RefinedWhole, TeamEnd, Wishes};
 use ltbw::threads::Parallel;
 use ltbw_verify as verify;
 use serde_json::{Value, json};
@@ -51,7 +51,8 @@ pub(crate) fn mesh(
         let mode = job.crew.map(|crew| crew.mode).unwrap_or_default();
         let work = Work { parallel: &parallel, token: task.stop.token(), mode };
         let markers = job.boundary.markers();
-        let wishes = Wishes { in_parts: !job.keep_exterior, markers, ..Wishes::default() };
+        let with_exterior = job.keep_exterior;
+        let wishes = Wishes { in_parts: true, with_exterior, markers, ..Wishes::default() };
         let end = others.refine(&job.refiner(&progress), ready, work, wishes);
         end.map_err(|error| Setting { name: task.name, stop: task.stop }.failed(error))?
     };
@@ -82,13 +83,13 @@ fn finish_part(
     job: &Job<'_>,
     Own { part: own, mut seconds }: Own,
 ) -> Result<Exit, Failure> {
-    let RefinedPart { part, outside, regions, faces, whole, .. } = own;
+    let RefinedPart { inside, outside, with_exterior, whole, .. } = own;
     let task = &job.task;
     let clock = Instant::now();
     let stage = Stage::begin("hash");
-    let hashed = others.hash(&part)?;
+    let hashed = others.hash(&inside.part)?;
     job.boundary.tell();
-    let quality = quality_apart::quality(others, &part)?;
+    let quality = quality_apart::quality(others, &inside.part)?;
     drop(stage);
     seconds.hash = clock.elapsed().as_secs_f64();
     let slivers: Vec<SliverLeft> = whole
@@ -127,15 +128,8 @@ fn finish_part(
     report.quality = measured.as_ref().map(measured_json);
     task.stop.inserted();
     let attributes = attributes_of(&whole.regions);
-    let mesh = TetMesh {
-        points: part.points,
-        tets: part.tets,
-        tet_tags: Some(regions.iter().map(|&region| i64::from(region)).collect()),
-        faces,
-        ..TetMesh::default()
-    };
-    drop(regions);
-    let piece = Piece { mesh: with_attributes(mesh, attributes.as_deref()), numbers: part.numbers };
+    let piece = piece_of(inside, attributes.as_deref());
+    let with_exterior = with_exterior.map(|all| piece_of(all, attributes.as_deref()));
     let checked = match task.check {
         Depth::Off => None,
         _ => Some(check(others, ready, job, &whole, &piece)?),
@@ -159,16 +153,33 @@ fn finish_part(
     let clock = Instant::now();
     let arrays =
         Arrays { tags: false, regions: true, markers: true, attributes: attributes.is_some() };
-    write_pieces(others, &piece, arrays, task, &mut report)?;
+    write_pieces(others, with_exterior.as_ref().unwrap_or(&piece), arrays, task, &mut report)?;
     report.seconds.write = clock.elapsed().as_secs_f64();
-    let has_files = !task.outputs.whole.is_empty();
+    let join = |piece, beside| -> Result<Option<Joined>, Failure> {
+        let joined = others.join(piece, beside, whole.vertices)?;
+        let named = |mesh| with_attributes(mesh, attributes.as_deref());
+        Ok(joined.map(|own| Joined { mesh: named(own.mesh), ..own }))
+    };
+    let names = &job.boundary.names;
+    let write = |mesh: &TetMesh, report: &mut Report| {
+        let values = || quality::arrays(&mesh.points, &mesh.tets);
+        task.write_whole(mesh, Beside { values, names }, report)
+    };
+    let mut has_files = !task.outputs.whole.is_empty();
+    if let Some(all) = with_exterior.filter(|_| has_files) {
+        let _stage = Stage::begin("write");
+        if let Some(Joined { mesh, .. }) = join(all, Part::default())? {
+            write(&mesh, &mut report)?;
+        }
+        has_files = false;
+    }
+    // A page shows the domain alone.
     if has_files || task.page.is_some() {
         let stage = Stage::begin(if has_files { "write" } else { "page" });
-        let joined = others.join(piece, outside, whole.vertices)?;
-        if let Some(Joined { mesh, owners }) = joined {
-            let (mesh, names) = (with_attributes(mesh, attributes.as_deref()), &job.boundary.names);
-            let values = || quality::arrays(&mesh.points, &mesh.tets);
-            task.write_whole(&mesh, Beside { values, names }, &mut report)?;
+        if let Some(Joined { mesh, owners }) = join(piece, outside)? {
+            if has_files {
+                write(&mesh, &mut report)?;
+            }
             drop(stage);
             report.seconds.write = clock.elapsed().as_secs_f64();
             // Nothing is excused where all keep their parts.
@@ -184,6 +195,14 @@ fn finish_part(
     }
     slivers.print(ready, is_flat);
     Ok(if is_flat { Exit::Defect } else { Exit::Done })
+}
+
+/// A part as it is written.
+fn piece_of(own: PartMesh, attributes: Option<&[f64]>) -> Piece {
+    let PartMesh { part: Part { numbers, points, tets, .. }, regions, faces, .. } = own;
+    let tet_tags = Some(regions.iter().map(|&region| i64::from(region)).collect());
+    let mesh = TetMesh { points, tets, tet_tags, faces, ..TetMesh::default() };
+    Piece { mesh: with_attributes(mesh, attributes), numbers }
 }
 
 /// A mesh with the attributes of its regions, if they have some.

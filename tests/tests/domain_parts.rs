@@ -5,7 +5,7 @@ use ltbw::distributed::{self, Hashed, Joined};
 use ltbw::domain::{Domain, PrepareOptions, Prepared};
 use ltbw::io::Piece;
 use ltbw::refine::{RefineOutcome, RefineStats, Refined, Refiner, usual_tolerance};
-use ltbw::refining::{Late, RefinedPart, TeamRounds, Wishes, rounds_on_team};
+use ltbw::refining::{Late, PartMesh, RefinedPart, TeamRounds, Wishes, rounds_on_team};
 use ltbw::team::Team;
 use ltbw::threads::Parallel;
 use ltbw::{BoundaryFace, CancelToken, TetMesh, canonical_hash};
@@ -25,8 +25,8 @@ struct Kept {
     found: verify::Conformity,
     /// The regions of this part are others than they say, if it has any tetrahedra.
     spoilt: verify::Conformity,
-    /// At the first member, all parts in one place.
-    joined: Option<Joined>,
+    /// At the first member, all parts in one place: those of the domain, and with the exterior.
+    joined: Option<[Joined; 2]>,
 }
 
 /// The ends of a team.
@@ -43,11 +43,11 @@ pub(super) fn judged(
     ready: &Prepared,
     spoilt: bool,
 ) -> verify::Conformity {
-    let mut tags: Vec<i64> = own.regions.iter().map(|&region| i64::from(region)).collect();
+    let mut tags: Vec<i64> = own.inside.regions.iter().map(|&region| i64::from(region)).collect();
     if spoilt && team.me().number() + 1 == team.size() {
         tags.iter_mut().take(1).for_each(|tag| *tag += 1);
     }
-    let distributed::Part { points, numbers, tets, .. } = &own.part;
+    let distributed::Part { points, numbers, tets, .. } = &own.inside.part;
     let part = verify::DomainPart { points, numbers, tets, tags: Some(&tags) };
     let plc = plc_of(ready.judged(), own.whole.stats.flat_tolerance);
     let options = verify::Options { numbered_regions: true, ..verify::Options::default() };
@@ -55,18 +55,29 @@ pub(super) fn judged(
         .expect("findings")
 }
 
-/// The mesh at the first member.
+/// The mesh of the domain at the first member.
 pub(super) fn joined(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
-    let distributed::Part { points, numbers, tets, .. } = &own.part;
+    let RefinedPart { inside, outside, whole, .. } = own;
+    distributed::join(team, piece_of(inside), outside.clone(), whole.vertices).expect("a mesh")
+}
+
+/// The mesh with the exterior at the first member.
+fn joined_all(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
+    let all = own.with_exterior.as_ref().expect("the exterior is asked for");
+    let none = distributed::Part::default();
+    distributed::join(team, piece_of(all), none, own.whole.vertices).expect("a mesh")
+}
+
+fn piece_of(PartMesh { part, regions, faces, .. }: &PartMesh) -> Piece {
+    let distributed::Part { points, numbers, tets, .. } = part;
     let mesh = TetMesh {
         points: points.clone(),
         tets: tets.clone(),
-        tet_tags: Some(own.regions.iter().map(|&region| i64::from(region)).collect()),
-        faces: own.faces.clone(),
+        tet_tags: Some(regions.iter().map(|&region| i64::from(region)).collect()),
+        faces: faces.clone(),
         ..TetMesh::default()
     };
-    let piece = Piece { mesh, numbers: numbers.clone() };
-    distributed::join(team, piece, own.outside.clone(), own.whole.vertices).expect("a mesh")
+    Piece { mesh, numbers: numbers.clone() }
 }
 
 /// Refines on a team whose members are to keep their parts.
@@ -80,13 +91,16 @@ fn in_parts(
     let ends = on_team(members, |team| {
         let (token, parallel) = (CancelToken::new(), Parallel::new(members).among_processes());
         let threads = (&parallel.cancel(&token), &token);
-        let wishes = Wishes { in_parts: true, markers, ..Wishes::default() };
+        let wishes = Wishes { in_parts: true, with_exterior: true, markers, ..Wishes::default() };
         let end = rounds_on_team(refiner, whole, threads, team, wishes).expect("a mesh");
         let found = match &end {
             TeamRounds::Part(own) => {
-                let hashed = distributed::hash(team, &own.part).expect("a hash");
+                let hashed = distributed::hash(team, &own.inside.part).expect("a hash");
                 let found = [false, true].map(|spoilt| judged(team, own, ready, spoilt));
-                Some((hashed, found, joined(team, own)))
+                let all = [joined(team, own), joined_all(team, own)];
+                let joined =
+                    if let [Some(inside), Some(all)] = all { Some([inside, all]) } else { None };
+                Some((hashed, found, joined))
             }
             TeamRounds::Whole(..) | TeamRounds::Elsewhere => None,
         };
@@ -131,11 +145,13 @@ fn triangles(
 fn same(name: &str, parts: &[Kept], engine: &Refined, ready: &Prepared) {
     let inside = TetMesh { tet_attributes: None, ..engine.inside() };
     assert_eq!(parts.iter().filter(|own| own.joined.is_some()).count(), 1, "{name}");
-    let Some(Joined { mesh, owners }) = &parts[0].joined else {
+    let Some([Joined { mesh, owners }, all]) = &parts[0].joined else {
         panic!("{name}: the first one has no mesh");
     };
     assert!(*mesh == inside, "{name}: another mesh in one place");
-    let lengths = parts.iter().map(|own| own.own.part.tets.len());
+    let exterior = TetMesh { tet_attributes: None, ..engine.with_exterior() };
+    assert!(all.mesh == exterior, "{name}: another mesh with the exterior");
+    let lengths = parts.iter().map(|own| own.own.inside.part.tets.len());
     assert!((0..).zip(lengths).all(|(k, n)| owners.iter().filter(|&&own| own == k).count() == n));
     let TetMesh { points, tets, tet_tags, faces, .. } = inside;
     let hash = canonical_hash(&points, &tets).expect("a hash");
@@ -144,7 +160,7 @@ fn same(name: &str, parts: &[Kept], engine: &Refined, ready: &Prepared) {
     let (limits, options) = (verify::Limits::default(), verify::Options::default());
     let mesh = verify::Mesh::new(&points, &tets);
     let judged = verify::conforms(&mesh, &plc, Some(&regions), &limits, &options);
-    let has_tets = |own: &&Kept| !own.own.part.tets.is_empty();
+    let has_tets = |own: &&Kept| !own.own.inside.part.tets.is_empty();
     let is_spoilt = parts.last().filter(has_tets).is_some();
     let (mut all, mut found) = (Vec::new(), Vec::new());
     for Kept { own, hashed, found: conformity, spoilt, .. } in parts {
@@ -160,16 +176,16 @@ fn same(name: &str, parts: &[Kept], engine: &Refined, ready: &Prepared) {
         assert_eq!(conformity.volume, judged.volume, "{name}");
         assert_eq!(spoilt.passed(), !is_spoilt, "{name}: a region that is another one");
         assert_eq!((hashed.hash, hashed.tets), (hash, tets.len() as u64), "{name}");
-        let part = &own.part;
+        let part = &own.inside.part;
         assert!(part.numbers.is_sorted(), "{name}");
         let is_there = |(&v, p): (&u32, &[f64; 3])| points[v as usize] == *p;
         assert!(part.numbers.iter().zip(&part.points).all(is_there), "{name}: other points");
         let number = |v: u32| part.numbers[v as usize];
         let told: Vec<[u32; 4]> = part.tets.iter().map(|tet| tet.map(number)).collect();
         assert!(told.is_sorted(), "{name}: in the order of the whole");
-        all.extend(told.into_iter().zip(own.regions.iter().map(|&r| i64::from(r))));
-        let own_faces = triangles(&own.faces, &part.tets, number);
-        assert!(own.faces.is_sorted_by_key(|face| (face.tet, face.corners)), "{name}");
+        all.extend(told.into_iter().zip(own.inside.regions.iter().map(|&r| i64::from(r))));
+        let own_faces = triangles(&own.inside.faces, &part.tets, number);
+        assert!(own.inside.faces.is_sorted_by_key(|face| (face.tet, face.corners)), "{name}");
         found.extend(own_faces);
         let whole = &own.whole;
         assert_eq!(whole.vertices, engine.mesh().num_vertices() as u64, "{name}");

@@ -60,7 +60,7 @@ fn refined_freely(
         let found = match &end {
             TeamEnd::Part(own) => {
                 let found = judged(team, own, ready, false);
-                let hashed = distributed::hash(team, &own.part).expect("a hash");
+                let hashed = distributed::hash(team, &own.inside.part).expect("a hash");
                 Some((found, hashed, joined(team, own)))
             }
             TeamEnd::Whole(..) | TeamEnd::Elsewhere => None,

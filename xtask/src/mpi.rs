@@ -52,7 +52,7 @@ const POINTS: [(&str, &str, &str); 7] = [
 const DOMAINS: [(&str, &[&str], &[&str]); 5] = [
     ("cube-octahedron", &[], &["--max-volume", "5e-5"]),
     ("tee", &[], &["--max-volume", "1.5e-4"]),
-    ("gear", &[], &["--max-volume", "4e-5"]),
+    ("gear", &[], &["--max-volume", "4e-5", "--keep-exterior"]),
     ("cube-in-cube", &[], &["--max-volume", "5e-5"]),
     // One process refines it alone.
     ("wedge", &["--angle", "5"], &[]),

@@ -9,7 +9,7 @@ use crate::team::{Team, TeamError};
 pub(crate) struct Side {
     /// The corners of the triangle by number, ascending.
     pub(crate) corners: [u32; 3],
-    /// The region and the vertices of the tetrahedron on this side: the lesser has the triangle.
+    /// The rank of its tetrahedron's region, and that one's vertices: the lesser has the triangle.
     pub(crate) rank: [u32; 5],
 }
 
@@ -18,7 +18,7 @@ pub(crate) struct Side {
 pub(crate) struct Shared {
     /// Has this member the triangle?
     pub(crate) is_own: bool,
-    /// The region on the other side, if somebody has told of it.
+    /// The rank of the region on the other side, if somebody has told of it.
     pub(crate) beyond: Option<u32>,
 }
 

@@ -24,8 +24,8 @@ pub use news::{
 };
 #[cfg(feature = "wire")]
 pub use rounds::{
-    Checkpoints, LateSteps, RefinedPart, RefinedWhole, SliverThere, TeamEnd, TeamRounds, Wishes,
-    rounds_on_team,
+    Checkpoints, LateSteps, PartMesh, RefinedPart, RefinedWhole, SliverThere, TeamEnd, TeamRounds,
+    Wishes, rounds_on_team,
 };
 pub use rounds::{
     Ending, Late, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN,

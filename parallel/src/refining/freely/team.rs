@@ -29,7 +29,7 @@ pub fn domain_on_team(
     (domain, lattice): (&Domain, &Lattice),
     (parallel, cancel): (&Parallel<'_>, &CancelToken),
     team: &mut Team,
-    Wishes { in_parts, markers, .. }: Wishes<'_>,
+    Wishes { in_parts, with_exterior, markers, .. }: Wishes<'_>,
 ) -> Result<TeamEnd<ThreadedDomain>, RefineError> {
     let delegated = refiner.delegate_to(domain, lattice, team.size() as usize * START_EACH);
     // A token is one process's own; whoever was stopped has another start.
@@ -67,7 +67,8 @@ pub fn domain_on_team(
     let (splits, left) = (source.splits, Left::nothing(me));
     let ended = Ended { mesh: &mesh, left: &left, start: &start };
     let fine_step = lattice.fine_step();
-    let own = Own::new(stats, Ends { in_parts, markers, fine_step }).without_rounds(splits);
+    let ends = Ends { in_parts, with_exterior, markers, fine_step };
+    let own = Own::new(stats, ends).without_rounds(splits);
     let look = || match () {
         () if is_cut => Err(Late::Stopped),
         () if splits.refused != [0; 2] => Err(Late::Refused),

@@ -97,7 +97,7 @@ pub(super) use late::look;
 #[cfg(feature = "wire")]
 pub(super) use parts::{Ended, Ends, Own, Stays};
 #[cfg(feature = "wire")]
-pub use parts::{RefinedPart, RefinedWhole, SliverThere};
+pub use parts::{PartMesh, RefinedPart, RefinedWhole, SliverThere};
 #[cfg(feature = "wire")]
 pub use ranks::{Checkpoints, TeamRounds, Wishes, rounds_on_team};
 pub use reserved::unkilled;

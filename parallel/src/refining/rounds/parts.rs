@@ -54,18 +54,28 @@ pub struct RefinedWhole {
     pub splits: Option<Splits>,
 }
 
+/// Some tetrahedra of a domain that one member has.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct PartMesh {
+    /// The tetrahedra, in the order of their vertices' numbers.
+    pub part: Part,
+    /// Their regions, 0 for the exterior.
+    pub regions: Vec<u32>,
+    /// The triangles of the domain's facets that this member has, each with the facet's marker.
+    pub faces: Vec<BoundaryFace>,
+}
+
 /// One member's part of a refined domain all of whose bounds are met.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct RefinedPart {
-    /// The tetrahedra of the domain, in the order of their vertices' numbers.
-    pub part: Part,
+    /// The tetrahedra of the domain.
+    pub inside: PartMesh,
     /// The vertices that tetrahedra outside of the domain alone have: a part without tetrahedra.
     pub outside: Part,
-    /// The regions of its tetrahedra.
-    pub regions: Vec<u32>,
-    /// The triangles of the domain's facets that this part has, each with the facet's marker.
-    pub faces: Vec<BoundaryFace>,
+    /// All tetrahedra, if the exterior is asked for.
+    pub with_exterior: Option<PartMesh>,
     /// The figures of the whole.
     pub whole: RefinedWhole,
 }
@@ -159,13 +169,15 @@ impl Ended<'_, '_> {
     ) -> Result<RefinedPart, TeamError> {
         let Numbers { of, counts, given } = self.number(team)?;
         let tets = self.mesh.inner.tets();
-        let (part, list) = self.list(&of);
-        let outside = self.outside(&of, &part);
-        let faces = self.faces(team, &of, &part, &list, own.ends.markers)?;
+        let inside = self.part_mesh(team, &of, Kept::Inside, own.ends.markers)?;
+        let outside = self.outside(&of, &inside.part);
+        let all = own.ends.with_exterior.then_some(Kept::All);
+        let all = all.map(|kept| self.part_mesh(team, &of, kept, own.ends.markers));
+        let with_exterior = all.transpose()?;
         let made = Made {
             stats: own.stats,
             predicates: tets.predicates(),
-            tets: list.len() as u64,
+            tets: inside.part.tets.len() as u64,
             hull_faces: tets.tets().filter(|(_, v)| v[3] == INFINITE).count() as u64,
             figures: self.left.figures,
             slivers: self.slivers(&own.thin, &of, own.ends.fine_step),
@@ -206,8 +218,7 @@ impl Ended<'_, '_> {
             whole.slivers.extend(made.slivers);
         }
         whole.slivers.sort_by_key(|own| own.tet);
-        let regions = list.iter().map(|&t| self.mesh.region(t)).collect();
-        Ok(RefinedPart { part, outside, regions, faces, whole })
+        Ok(RefinedPart { inside, outside, with_exterior, whole })
     }
 
     /// Numbers all vertices of this part's tetrahedra, exterior included.
@@ -241,23 +252,40 @@ impl Ended<'_, '_> {
         Ok(Numbers { of, counts: found.counts, given: given.count })
     }
 
-    /// The tetrahedra of the domain as plain lists, and their slots.
-    fn list(&self, of: &[Vertex]) -> (Part, Vec<TetId>) {
+    /// The tetrahedra that are kept, with their regions and triangles.
+    fn part_mesh(
+        &self,
+        team: &mut Team,
+        of: &[Vertex],
+        kept: Kept,
+        markers: Option<&[i32]>,
+    ) -> Result<PartMesh, TeamError> {
+        let (part, list) = self.list(of, kept);
+        let faces = self.faces(team, of, (&part, &list, kept), markers)?;
+        let regions = list.iter().map(|&t| self.mesh.region(t)).collect();
+        Ok(PartMesh { part, regions, faces })
+    }
+
+    /// Is a tetrahedron among those that are kept?
+    fn is_kept(&self, t: TetId, kept: Kept) -> bool {
+        let is_finite = self.mesh.inner.tets().vertices(t)[3] != INFINITE;
+        is_finite && (kept == Kept::All || self.mesh.region(t) != 0)
+    }
+
+    /// The tetrahedra that are kept as plain lists, and their slots.
+    fn list(&self, of: &[Vertex], kept: Kept) -> (Part, Vec<TetId>) {
         let mesh = self.mesh.inner.tets();
         let mode: Mode = self.start.mode;
-        let inside = || {
-            let finite = mesh.tets().filter(|(_, v)| v[3] != INFINITE);
-            finite.filter(|(t, _)| self.mesh.region(*t) != 0)
-        };
+        let all = || mesh.tets().filter(|(t, _)| self.is_kept(*t, kept));
         // First whether a vertex is used, then its place: in the order of numbers.
         let mut places = vec![0_u32; of.len()];
-        inside().flat_map(|(_, v)| v).for_each(|v| places[v.index()] = 1);
-        let all = (1..places.len()).filter(|&v| places[v] > 0).map(VertexId::at);
-        let mut used: Vec<(Vertex, VertexId)> = all.map(|v| (of[v.index()], v)).collect();
+        all().flat_map(|(_, v)| v).for_each(|v| places[v.index()] = 1);
+        let used = (1..places.len()).filter(|&v| places[v] > 0).map(VertexId::at);
+        let mut used: Vec<(Vertex, VertexId)> = used.map(|v| (of[v.index()], v)).collect();
         used.sort_unstable();
         used.iter().zip(0..).for_each(|(&(_, v), place)| places[v.index()] = place);
         let ordered = |(t, v): (TetId, [VertexId; 4])| (in_order(v.map(|v| places[v.index()])), t);
-        let mut tets: Vec<([u32; 4], TetId)> = inside().map(ordered).collect();
+        let mut tets: Vec<([u32; 4], TetId)> = all().map(ordered).collect();
         tets.sort_unstable();
         let part = Part {
             numbers: used.iter().map(|own| own.0).collect(),
@@ -285,20 +313,20 @@ impl Ended<'_, '_> {
     }
 
     /// The triangles on facets that this part has: of two tetrahedra at one that of the lower
-    /// region, and of equal ones the first.
+    /// region, but for the exterior, and of equal ones the first.
     fn faces(
         &self,
         team: &mut Team,
         of: &[Vertex],
-        part: &Part,
-        list: &[TetId],
+        (part, list, kept): (&Part, &[TetId], Kept),
         markers: Option<&[i32]>,
     ) -> Result<Vec<BoundaryFace>, TeamError> {
         let (mesh, complex) = (self.mesh.inner.tets(), &self.mesh.complex);
         let marker = complex.markers(markers);
         let rank = |t: TetId| {
             let [a, b, c, d] = in_order(mesh.vertices(t).map(|v| of[v.index()]));
-            [self.mesh.region(t), a, b, c, d]
+            // The exterior comes last.
+            [self.mesh.region(t).wrapping_sub(1), a, b, c, d]
         };
         let side = |&Bound { t, corners, .. }: &Bound| {
             let mut corners = corners.map(|v| of[v.index()]);
@@ -309,17 +337,20 @@ impl Ended<'_, '_> {
             self.bound(list).filter(|face| face.is_far).map(|face| side(&face)).collect();
         let mut shared = first_of_two(team, &sides)?.into_iter();
         drop(sides);
-        let is_inside = |t: TetId| mesh.vertices(t)[3] != INFINITE && self.mesh.region(t) != 0;
         let place = |v: VertexId| part.numbers.partition_point(|&n| n < of[v.index()]) as u32;
         let mut faces: Vec<BoundaryFace> = Vec::new();
         for face in self.bound(list) {
             let Bound { tet, t, slot, corners, .. } = face;
             let told = if face.is_far { shared.next() } else { None };
             let (is_own, beyond) = match told {
-                // The exterior tells nothing.
-                Some(Shared { is_own, beyond }) => (is_own, beyond.unwrap_or(0)),
+                // Of tetrahedra that are not kept nobody tells anything.
+                Some(Shared { is_own, beyond }) => {
+                    (is_own, beyond.map_or(0, |r| r.wrapping_add(1)))
+                }
                 None => match tet_of(mesh.neighbours(t)[slot]) {
-                    other if is_inside(other) => (rank(t) < rank(other), self.mesh.region(other)),
+                    other if self.is_kept(other, kept) => {
+                        (rank(t) < rank(other), self.mesh.region(other))
+                    }
                     _ => (true, 0),
                 },
             };
@@ -379,11 +410,22 @@ struct Numbers {
     given: Vertex,
 }
 
+/// The tetrahedra that are made plain lists of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kept {
+    /// Tetrahedra of the domain.
+    Inside,
+    /// All, the exterior among them.
+    All,
+}
+
 /// The way in which a refinement is to end.
 #[derive(Clone, Copy)]
 pub(in crate::refining) struct Ends<'p> {
     /// Each member keeps its part, if it may.
     pub(in crate::refining) in_parts: bool,
+    /// A part is wanted with the exterior, too.
+    pub(in crate::refining) with_exterior: bool,
     /// Markers of the domain's facets in place of their own.
     pub(in crate::refining) markers: Option<&'p [i32]>,
     pub(in crate::refining) fine_step: f64,

@@ -57,6 +57,8 @@ pub struct Wishes<'k> {
     pub checkpoints: Checkpoints<'k>,
     /// Each member keeps its part, where nothing is left that takes the whole mesh.
     pub in_parts: bool,
+    /// Such a part is wanted with the exterior, too.
+    pub with_exterior: bool,
     /// Markers of the domain's facets in place of their own.
     pub markers: Option<&'k [i32]>,
 }
@@ -75,7 +77,7 @@ pub fn rounds_on_team(
     (domain, lattice): (&Domain, &Lattice),
     (parallel, cancel): (&Parallel<'_>, &CancelToken),
     team: &mut Team,
-    Wishes { checkpoints, in_parts, markers }: Wishes<'_>,
+    Wishes { checkpoints, in_parts, with_exterior, markers }: Wishes<'_>,
 ) -> Result<TeamRounds, RefineError> {
     let delegated = refiner.delegate(domain, lattice);
     // A token is one process's own; whoever was stopped has another start.
@@ -93,7 +95,7 @@ pub fn rounds_on_team(
     };
     let told: Option<(u64, Again)> = is_first.then_some((checkpoints.every, from));
     let (every, from) = team.tell_value(told).map_err(of_team)?;
-    let ends = Ends { in_parts, markers, fine_step: lattice.fine_step() };
+    let ends = Ends { in_parts, with_exterior, markers, fine_step: lattice.fine_step() };
     let mut member = Member { parallel, team, stats, every, ends };
     match delegated {
         own if is_first => {
