@@ -1,19 +1,23 @@
 //! Domains refined without rounds, on threads: as many tetrahedra as in rounds, within three in a
-//! hundred, and a mesh that the checker has nothing against.
+//! hundred, and a mesh that the checker has nothing against. And on simulated processors, at any
+//! time that messages take: about as many points.
 //!
 //! Small domains, and two of which workers make the larger part; with `LTBW_CASES` above 10 all:
 //! the named ones, the paper's problems, the surfaces by formula, and that many at random of each
 //! kind.
 
 use ltbw::domain::{PrepareOptions, Prepared};
-use ltbw::refine::{RefineOutcome, Refined, Refiner, usual_tolerance};
-use ltbw::refining::domain_on_threads;
+use ltbw::mesh::Layout;
+use ltbw::protocol::Config;
+use ltbw::refine::{RefineOutcome, RefineStats, Refined, Refiner, usual_tolerance};
+use ltbw::refining::{domain_on_threads, simulate_domain};
+use ltbw::simulate::{Distribution, Network, Options};
 use ltbw::threads::Parallel;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
-use ltbw_tests::cases;
 use ltbw_tests::domains::{NAMED, PROBLEMS, awkward_domain, prepared, random_domain, small_volume};
 use ltbw_tests::excuses::{judge_refined, limits};
 use ltbw_tests::parts::generated;
+use ltbw_tests::{cases, seeds};
 use ltbw_verify::ConformityDefect;
 
 /// Cases at random without more being asked for.
@@ -146,4 +150,56 @@ fn domains_have_as_many_tetrahedra_without_rounds_as_in_rounds() {
     let most = if all { rows / 20 } else { 0 };
     assert!(outside.len() <= most, "{}", outside.join("\n"));
     assert!(rows > 100 && larger > 10_000, "{rows} rows, {larger} points by workers");
+}
+
+/// Cases at random for [`no_timing_makes_far_more_points_than_rounds`].
+const TIMED: u32 = 6;
+/// The most points, times those of rounds: small needles have had 1.21.
+const MOST: f64 = 1.5;
+
+/// Whatever the times of messages, refinement without rounds makes about as many points as rounds
+/// do: points that call for each other without end would be a run that nobody sees the end of.
+#[test]
+fn no_timing_makes_far_more_points_than_rounds() {
+    use Distribution::{Constant, Exponential, HeavyTail, Uniform};
+    let (laws, latencies) = ([Constant, Uniform, Exponential, HeavyTail], [100, 3_000, 90_000]);
+    let (mut most, mut points) = (0.0_f64, 0);
+    for seed in seeds(TIMED) {
+        let (kind, domain) = if seed % 2 == 0 { random_domain(seed) } else { awkward_domain(seed) };
+        let (ready, turn) = (prepared(&domain), seed as usize);
+        let volume = small_volume(&ready.domain) / (1 + seed % 5) as f64;
+        let refiner = Refiner::new()
+            .flat_tolerance(usual_tolerance(&domain, &ready.domain))
+            .max_volume(volume)
+            .start([0, 64, 256][turn % 3]);
+        let whole = (&ready.domain, &ready.lattice);
+        // A domain may be out of reach for one as for the other.
+        let Ok(rounds) = refiner.refine(whole.0, whole.1) else { continue };
+        let made = |own: &Refined| {
+            let RefineStats { segment_points, facet_points, free_points, .. } = own.stats;
+            segment_points + facet_points + free_points
+        };
+        let expected = made(&rounds);
+        // One that has no end ends so.
+        let refiner = refiner.max_points(4 * expected + 4000);
+        for (k, processors) in [2, 3, 5, 8].into_iter().enumerate() {
+            let (distribution, latency) = (laws[(turn / 2 + k) % 4], latencies[(turn + k) % 3]);
+            let name = format!("{kind} {seed} on {processors}, {distribution:?} {latency} ns");
+            let network = Network { latency, distribution, ..Network::default() };
+            let options = Options { network, seed, letters: k % 2 == 0, ..Options::default() };
+            let layout = |points| {
+                let config = Config { window: 16, ..Config::new(processors) };
+                (Layout::new(points, processors), config)
+            };
+            let run = simulate_domain(&refiner, whole, &layout, &options);
+            let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));
+            let ratio = made(&run.refined) as f64 / expected.max(1) as f64;
+            assert!(ratio < MOST, "{name}: {ratio} times the points of rounds, {:?}", run.splits);
+            assert_ne!(run.refined.outcome, RefineOutcome::Budget, "{name}");
+            most = most.max(ratio);
+            points += run.splits.inserted.iter().sum::<u64>();
+        }
+    }
+    println!("at most {most:.3} times the points of rounds, {points} by workers");
+    assert!(points > 5_000, "{points} points by workers");
 }
