@@ -60,6 +60,7 @@ const SPARE: usize = 256;
 
 const MAIL: i32 = 1;
 const TEAM: i32 = 2;
+const LATE: i32 = 3;
 
 /// The post of this process.
 pub(crate) struct Mpi {
@@ -103,13 +104,14 @@ impl Post for Mpi {
 
     fn send(&mut self, to: WorkerId, kind: Kind, letter: Vec<u8>) {
         let tag = match kind {
-            Kind::Mail => {
-                self.fault = self.fault.map(|left| left.wrapping_sub(1));
-                assert!(self.fault != Some(u64::MAX), "planted");
-                MAIL
-            }
+            Kind::Mail => MAIL,
+            Kind::Late => LATE,
             Kind::Team => TEAM,
         };
+        if kind != Kind::Team {
+            self.fault = self.fault.map(|left| left.wrapping_sub(1));
+            assert!(self.fault != Some(u64::MAX), "planted");
+        }
         let to = i32::try_from(to.number()).unwrap_or(i32::MAX);
         if self.calls.send(to, tag, letter).is_err() {
             self.failed = Some(self.me);
@@ -126,7 +128,11 @@ impl Post for Mpi {
             self.keep(letter);
             return None;
         };
-        let kind = if tag == MAIL { Kind::Mail } else { Kind::Team };
+        let kind = match tag {
+            MAIL => Kind::Mail,
+            LATE => Kind::Late,
+            _ => Kind::Team,
+        };
         Some((WorkerId::new(u32::try_from(from).unwrap_or(u32::MAX)), kind, letter))
     }
 

@@ -7,7 +7,7 @@ use crate::transport::Transport;
 use crate::wire::{Wire, open};
 use ltbw_core::CancelToken;
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// The bytes of a letter, unless one message alone has more: what goes through at once on most
 /// networks without a word between the two ends before.
@@ -32,6 +32,40 @@ impl LetterFigures {
         self.letters += other.letters;
         self.bytes += other.bytes;
     }
+}
+
+/// A mail that has arrived.
+pub(super) struct Arrived {
+    from: WorkerId,
+    letter: Vec<u8>,
+    /// The time of its sending, if it is to be late.
+    sent: Option<u64>,
+}
+
+impl Arrived {
+    pub(super) fn of(from: WorkerId, kind: Kind, mut letter: Vec<u8>) -> Self {
+        let stamp = if kind == Kind::Late { letter.last_chunk().copied() } else { None };
+        let sent = stamp.map(|bytes| {
+            letter.truncate(letter.len() - STAMP);
+            u64::from_le_bytes(bytes)
+        });
+        Self { from, letter, sent }
+    }
+
+    /// The part of a delay that is left.
+    fn left_of(&self, latency: Duration) -> Duration {
+        let since = self.sent.map_or(0, |sent| clock().saturating_sub(sent));
+        latency.saturating_sub(Duration::from_nanos(since))
+    }
+}
+
+/// The bytes of a time.
+const STAMP: usize = 8;
+
+/// The clock that all processes of a machine see, in nanoseconds.
+fn clock() -> u64 {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)
 }
 
 /// One worker's way, for one run of a team.
@@ -81,7 +115,12 @@ impl<'t> Letters<'t> {
         }
         self.team.figures.letters += 1;
         self.team.figures.bytes += letter.len() as u64;
-        self.team.post.send(to, Kind::Mail, letter);
+        let mut kind = Kind::Mail;
+        if !self.team.latency.is_zero() {
+            letter.extend(clock().to_le_bytes());
+            kind = Kind::Late;
+        }
+        self.team.post.send(to, kind, letter);
     }
 
     /// Reads a letter.
@@ -130,13 +169,15 @@ impl<M: Wire> Transport<M> for Letters<'_> {
         self.team.sort();
         let latency = self.team.latency;
         if latency.is_zero() {
-            while let Some((from, letter)) = self.team.mails.pop_front() {
+            while let Some(Arrived { from, letter, .. }) = self.team.mails.pop_front() {
                 self.read(from, letter, into);
             }
             return;
         }
         let now = Instant::now();
-        let late = self.team.mails.drain(..).map(|(from, letter)| (now + latency, from, letter));
+        let due = |own: &Arrived| now + own.left_of(latency);
+        let late = self.team.mails.drain(..).map(|own| (due(&own), own.from, own.letter));
+        // Mails stay in their order, whatever the clock says.
         self.under_way.extend(late);
         while self.under_way.front().is_some_and(|(due, ..)| *due <= now) {
             if let Some((_, from, letter)) = self.under_way.pop_front() {
@@ -163,5 +204,31 @@ impl<M: Wire> Transport<M> for Letters<'_> {
 
     fn fail(&mut self) {
         self.team.post.fail();
+    }
+}
+
+#[cfg(all(test, not(any(loom, shuttle))))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delay_counts_from_the_sending() {
+        let (me, second) = (WorkerId::default(), Duration::from_secs(1));
+        let sent = |ago: u64| {
+            let mut letter = vec![1, 2, 3];
+            letter.extend(clock().saturating_sub(ago).to_le_bytes());
+            Arrived::of(me, Kind::Late, letter)
+        };
+        let old = sent(5_000_000_000);
+        assert_eq!((&old.letter[..], old.left_of(second)), (&[1, 2, 3][..], Duration::ZERO));
+        let new = sent(0).left_of(second);
+        assert!(new > Duration::ZERO && new <= second, "{new:?}");
+        // Clocks of two machines differ.
+        assert_eq!(sent(u64::MAX / 2).left_of(second), Duration::ZERO);
+        let early = Arrived { sent: Some(u64::MAX), ..sent(0) };
+        assert_eq!(early.left_of(second), second);
+        let mail = Arrived::of(me, Kind::Mail, vec![9; 20]);
+        assert_eq!((mail.letter.len(), mail.left_of(second)), (20, second));
+        assert_eq!(Arrived::of(me, Kind::Late, vec![7]).letter, [7], "no time at its end");
     }
 }

@@ -12,6 +12,7 @@
 mod letters;
 mod post;
 
+use letters::Arrived;
 pub use letters::{LONGEST, LetterFigures, Letters};
 pub use post::{Alone, Kind, Post, Threads, threads};
 
@@ -45,7 +46,7 @@ pub enum TeamError {
 pub struct Team {
     post: Box<dyn Post>,
     /// Mails that have arrived, in the order of their arrival.
-    mails: VecDeque<(WorkerId, Vec<u8>)>,
+    mails: VecDeque<Arrived>,
     /// Letters of collectives that have arrived, by sender.
     letters: Vec<VecDeque<Vec<u8>>>,
     /// A mail that made no sense.
@@ -77,7 +78,8 @@ impl Team {
         Self { post, mails: VecDeque::new(), letters, fault: None, figures, latency }
     }
 
-    /// Delays every mail: to see how the kernel tolerates it.
+    /// Delays every mail from its sending on, by the clock of the machine: to see how the kernel
+    /// tolerates it.
     pub fn latency(mut self, latency: Duration) -> Self {
         self.latency = latency;
         self
@@ -118,7 +120,7 @@ impl Team {
     fn sort(&mut self) {
         while let Some((from, kind, letter)) = self.post.take() {
             match kind {
-                Kind::Mail => self.mails.push_back((from, letter)),
+                Kind::Mail | Kind::Late => self.mails.push_back(Arrived::of(from, kind, letter)),
                 Kind::Team => match self.letters.get_mut(from.index()) {
                     Some(own) => own.push_back(letter),
                     None => self.post.keep(letter),

@@ -10,6 +10,8 @@ use std::time::Duration;
 pub enum Kind {
     /// Messages of workers.
     Mail,
+    /// Such that are to be late: the time of their sending at their end.
+    Late,
     /// A part of what all members do together.
     Team,
 }
