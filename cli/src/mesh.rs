@@ -19,7 +19,7 @@ use crate::task::{Files, Task};
 use crate::workers::{Crew, Mode, Setting, refine};
 use ltbw::domain::Prepared;
 use ltbw::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// A domain that can be meshed, and what is asked for.
@@ -75,6 +75,12 @@ pub(crate) fn mesh_from(
     if args.write_unrecovered && !outputs.in_parts.is_empty() {
         let text = "--write-unrecovered writes the mesh as a whole, not in parts";
         return Err(Failure::Usage(text.to_owned()));
+    }
+    let holds_none = |path: &&PathBuf| args.keep_exterior && !io::parts_hold_exterior(path);
+    if let Some(path) = outputs.in_parts.iter().find(holds_none) {
+        let (path, others) = (show(path), ".pvtu and .vtkhdf have one");
+        let text = format!("--keep-exterior: {path} has no number for region 0; {others}");
+        return Err(Failure::Usage(text));
     }
     let source = outputs.formats.input(&args.domain)?;
     let stop = Stop::on_signal()?;

@@ -146,3 +146,23 @@ fn help_names_meshes_in_parts() {
         assert!(help.contains(".pvtu"), "{command}: {help}");
     }
 }
+
+/// Two formats of meshes in parts have no number for the exterior: that is said before the work.
+#[test]
+fn the_exterior_is_written_in_parts_where_it_has_a_number() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    run(dir, &["generate", "tee", "-o", "t.poly"], 0);
+    let mesh = ["mesh", "t.poly", "--max-volume", "0.01", "--workers", "2", "--keep-exterior"];
+    for name in ["t_%.msh", "t.mfem"] {
+        let refused = run(dir, &[&mesh[..], &["-o", name]].concat(), 2);
+        assert!(refused.stderr.contains("--keep-exterior"), "{name}: {}", refused.stderr);
+        assert!(refused.stderr.contains(name), "{name}: {}", refused.stderr);
+    }
+    assert_eq!(names(dir), ["t.poly"]);
+    for name in ["t.pvtu", "t.vtkhdf"] {
+        run(dir, &[&mesh[..], &["-o", name]].concat(), 0);
+    }
+    let regions = ltbw::io::read_mesh(dir.join("t.pvtu")).unwrap().tet_tags.unwrap();
+    assert!(regions.contains(&0) && regions.contains(&1));
+}

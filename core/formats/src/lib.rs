@@ -86,7 +86,7 @@ use ltbw_domain::{Domain, Given};
 use ltbw_exact::Point;
 pub use parted::{
     Arrays, Border, Bordering, Common, Ghost, GhostPoint, PartOf, PartSizes, Piece, Words, borders,
-    has_list, has_slabs, is_parts, part_files, parts_hold_tags,
+    has_list, has_slabs, is_parts, part_files, parts_hold_exterior, parts_hold_tags,
 };
 pub use parts::{
     Bordered, Unnamed, begin_slabs, check_parts_writable, write_list, write_part, write_parts,

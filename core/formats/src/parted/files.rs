@@ -107,6 +107,11 @@ pub fn has_slabs(path: impl AsRef<Path>) -> bool {
     Kind::of(path.as_ref()) == Some(Kind::Vtkhdf)
 }
 
+/// Has the format a number for the exterior, region 0, beside others?
+pub fn parts_hold_exterior(path: impl AsRef<Path>) -> bool {
+    matches!(Kind::of(path.as_ref()), Some(Kind::Pvtu | Kind::Vtkhdf))
+}
+
 /// Do tags of points survive there?
 pub fn parts_hold_tags(path: impl AsRef<Path>) -> bool {
     matches!(Kind::of(path.as_ref()), Some(Kind::Pvtu | Kind::Vtkhdf))

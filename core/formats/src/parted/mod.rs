@@ -14,7 +14,8 @@ mod words;
 
 pub use border::{Border, Bordering, Common, Ghost, GhostPoint, borders};
 pub use files::{
-    Arrays, PartOf, PartSizes, Piece, has_list, has_slabs, is_parts, part_files, parts_hold_tags,
+    Arrays, PartOf, PartSizes, Piece, has_list, has_slabs, is_parts, part_files,
+    parts_hold_exterior, parts_hold_tags,
 };
 pub(crate) use files::{Kind, part_file};
 pub(crate) use mfem::{check, write};
