@@ -19,7 +19,7 @@ use crate::picture::histograms;
 use crate::plc::plc_of;
 use crate::progress::{Progress, Stage};
 use crate::quality_apart;
-use crate::report::{Report, Seconds, measured_json};
+use crate::report::{Seconds, measured_json};
 use crate::surface::print_patches;
 use crate::task::{Beside, Judged};
 use crate::workers::{Made, Redeals, Setting, print_workers};
@@ -51,7 +51,8 @@ pub(crate) fn mesh(
         let mode = job.crew.map(|crew| crew.mode).unwrap_or_default();
         let work = Work { parallel: &parallel, token: task.stop.token(), mode };
         let markers = job.boundary.markers();
-        let with_exterior = job.keep_exterior;
+        let is_written = !(task.outputs.whole.is_empty() && task.outputs.in_parts.is_empty());
+        let with_exterior = job.keep_exterior && is_written;
         let wishes = Wishes { in_parts: true, with_exterior, markers, ..Wishes::default() };
         let end = others.refine(&job.refiner(&progress), ready, work, wishes);
         end.map_err(|error| Setting { name: task.name, stop: task.stop }.failed(error))?
@@ -153,39 +154,38 @@ fn finish_part(
     let clock = Instant::now();
     let arrays =
         Arrays { tags: false, regions: true, markers: true, attributes: attributes.is_some() };
-    write_pieces(others, with_exterior.as_ref().unwrap_or(&piece), arrays, task, &mut report)?;
-    report.seconds.write = clock.elapsed().as_secs_f64();
+    // A page shows the domain alone.
+    let has_page = task.page.is_some();
+    let ((written, beside), shown) = match with_exterior {
+        Some(all) => ((all, Part::default()), has_page.then_some((piece, outside))),
+        None => ((piece, outside), None),
+    };
+    write_pieces(others, &written, arrays, task, &mut report)?;
     let join = |piece, beside| -> Result<Option<Joined>, Failure> {
         let joined = others.join(piece, beside, whole.vertices)?;
         let named = |mesh| with_attributes(mesh, attributes.as_deref());
         Ok(joined.map(|own| Joined { mesh: named(own.mesh), ..own }))
     };
     let names = &job.boundary.names;
-    let write = |mesh: &TetMesh, report: &mut Report| {
-        let values = || quality::arrays(&mesh.points, &mesh.tets);
-        task.write_whole(mesh, Beside { values, names }, report)
-    };
-    let mut has_files = !task.outputs.whole.is_empty();
-    if let Some(all) = with_exterior.filter(|_| has_files) {
-        let _stage = Stage::begin("write");
-        if let Some(Joined { mesh, .. }) = join(all, Part::default())? {
-            write(&mesh, &mut report)?;
+    let has_files = !task.outputs.whole.is_empty();
+    let mut joined = None;
+    if has_files || (has_page && shown.is_none()) {
+        let _stage = Stage::begin(if has_files { "write" } else { "page" });
+        joined = join(written, beside)?;
+        if let Some(Joined { mesh, .. }) = joined.as_ref().filter(|_| has_files) {
+            let values = || quality::arrays(&mesh.points, &mesh.tets);
+            task.write_whole(mesh, Beside { values, names }, &mut report)?;
         }
-        has_files = false;
     }
-    // A page shows the domain alone.
-    if has_files || task.page.is_some() {
-        let stage = Stage::begin(if has_files { "write" } else { "page" });
-        if let Some(Joined { mesh, owners }) = join(piece, outside)? {
-            if has_files {
-                write(&mesh, &mut report)?;
-            }
-            drop(stage);
-            report.seconds.write = clock.elapsed().as_secs_f64();
-            // Nothing is excused where all keep their parts.
-            let scene = Scene { mesh: &mesh, hull: &[], workers: &owners, names, excused: &[] };
-            task.write_page(&scene, &report, &judged, None)?;
-        }
+    report.seconds.write = clock.elapsed().as_secs_f64();
+    if let Some((piece, outside)) = shown {
+        drop(joined);
+        joined = join(piece, outside)?;
+    }
+    if let Some(Joined { mesh, owners }) = joined {
+        // Nothing is excused where all keep their parts.
+        let scene = Scene { mesh: &mesh, hull: &[], workers: &owners, names, excused: &[] };
+        task.write_page(&scene, &report, &judged, None)?;
     }
     if others.is_first() {
         if let (Some(path), Some(measured)) = (job.histogram, &judged.measured) {

@@ -62,7 +62,7 @@ pub(super) fn joined(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
 }
 
 /// The mesh with the exterior at the first member.
-fn joined_all(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
+pub(super) fn joined_all(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
     let all = own.with_exterior.as_ref().expect("the exterior is asked for");
     let none = distributed::Part::default();
     distributed::join(team, piece_of(all), none, own.whole.vertices).expect("a mesh")

@@ -1,6 +1,6 @@
 //! Domains that a team refines without rounds: parts that stay where they are, or the mesh of one.
 
-use super::domain_parts::{joined, judged};
+use super::domain_parts::{joined, joined_all, judged};
 use ltbw::distributed::{self, Joined};
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::refine::{RefineOutcome, RefineStats, Refiner};
@@ -54,14 +54,14 @@ fn refined_freely(
     let ends = on_team(members, |team| {
         let (token, parallel) = (CancelToken::new(), Parallel::new(members).among_processes());
         let whole = (&ready.domain, &ready.lattice);
-        let wishes = Wishes { in_parts: true, ..Wishes::default() };
+        let wishes = Wishes { in_parts: true, with_exterior: true, ..Wishes::default() };
         let threads = (&parallel.cancel(&token), &token);
         let end = domain_on_team(refiner, whole, threads, team, wishes).expect("a mesh");
         let found = match &end {
             TeamEnd::Part(own) => {
                 let found = judged(team, own, ready, false);
                 let hashed = distributed::hash(team, &own.inside.part).expect("a hash");
-                Some((found, hashed, joined(team, own)))
+                Some((found, hashed, joined(team, own), joined_all(team, own)))
             }
             TeamEnd::Whole(..) | TeamEnd::Elsewhere => None,
         };
@@ -70,12 +70,19 @@ fn refined_freely(
     let (mut tets, mut parts) = (None, 0);
     for end in ends {
         match end {
-            (TeamEnd::Part(own), Some((found, hashed, joined))) => {
+            (TeamEnd::Part(own), Some((found, hashed, joined, all))) => {
                 assert!(found.passed(), "{name}: {:?} {:?}", found.mesh_defects, found.findings);
                 let splits = own.whole.splits.expect("figures of the splits");
                 assert_eq!(splits.refused, [0; 2], "{name}");
                 assert_eq!((hashed.tets, found.tets), (own.whole.tets, own.whole.tets));
-                if let Some(Joined { mesh, .. }) = joined {
+                if let (Some(Joined { mesh, .. }), Some(Joined { mesh: all, .. })) = (joined, all) {
+                    let regions = all.tet_tags.iter().flatten();
+                    let inside = all.tets.iter().zip(regions).filter(|own| *own.1 != 0);
+                    assert!(inside.map(|own| *own.0).eq(mesh.tets.iter().copied()), "{name}");
+                    assert_eq!(
+                        (all.faces.len(), all.points),
+                        (mesh.faces.len(), mesh.points.clone())
+                    );
                     let hash = canonical_hash(&mesh.points, &mesh.tets).expect("a hash");
                     assert_eq!(hash, hashed.hash, "{name}");
                     tets = Some(mesh.tets.len());

@@ -153,8 +153,8 @@ fn domains_have_as_many_tetrahedra_without_rounds_as_in_rounds() {
 }
 
 /// Cases at random for [`no_timing_makes_far_more_points_than_rounds`].
-const TIMED: u32 = 6;
-/// The most points, times those of rounds: small needles have had 1.21.
+const TIMED: u32 = 12;
+/// The most points, times those of rounds and a few more: small needles have had 1.21.
 const MOST: f64 = 1.5;
 
 /// Whatever the times of messages, refinement without rounds makes about as many points as rounds
@@ -165,13 +165,16 @@ fn no_timing_makes_far_more_points_than_rounds() {
     let (laws, latencies) = ([Constant, Uniform, Exponential, HeavyTail], [100, 3_000, 90_000]);
     let (mut most, mut points) = (0.0_f64, 0);
     for seed in seeds(TIMED) {
-        let (kind, domain) = if seed % 2 == 0 { random_domain(seed) } else { awkward_domain(seed) };
-        let (ready, turn) = (prepared(&domain), seed as usize);
+        let turn = seed / 2;
+        let (kind, domain) = if seed % 2 == 0 { random_domain(turn) } else { awkward_domain(turn) };
+        let ready = prepared(&domain);
+        // The kind hangs on the turn: all else is drawn apart from it.
+        let drawn = (seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize;
         let volume = small_volume(&ready.domain) / (1 + seed % 5) as f64;
         let refiner = Refiner::new()
             .flat_tolerance(usual_tolerance(&domain, &ready.domain))
             .max_volume(volume)
-            .start([0, 64, 256][turn % 3]);
+            .start([0, 64, 256][drawn % 3]);
         let whole = (&ready.domain, &ready.lattice);
         // A domain may be out of reach for one as for the other.
         let Ok(rounds) = refiner.refine(whole.0, whole.1) else { continue };
@@ -183,7 +186,8 @@ fn no_timing_makes_far_more_points_than_rounds() {
         // One that has no end ends so.
         let refiner = refiner.max_points(4 * expected + 4000);
         for (k, processors) in [2, 3, 5, 8].into_iter().enumerate() {
-            let (distribution, latency) = (laws[(turn / 2 + k) % 4], latencies[(turn + k) % 3]);
+            let (distribution, latency) =
+                (laws[(drawn / 3 + k) % 4], latencies[(drawn / 12 + k) % 3]);
             let name = format!("{kind} {seed} on {processors}, {distribution:?} {latency} ns");
             let network = Network { latency, distribution, ..Network::default() };
             let options = Options { network, seed, letters: k % 2 == 0, ..Options::default() };
@@ -193,7 +197,7 @@ fn no_timing_makes_far_more_points_than_rounds() {
             };
             let run = simulate_domain(&refiner, whole, &layout, &options);
             let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));
-            let ratio = made(&run.refined) as f64 / expected.max(1) as f64;
+            let ratio = made(&run.refined) as f64 / (expected + 20) as f64;
             assert!(ratio < MOST, "{name}: {ratio} times the points of rounds, {:?}", run.splits);
             assert_ne!(run.refined.outcome, RefineOutcome::Budget, "{name}");
             most = most.max(ratio);

@@ -101,7 +101,7 @@ impl<'t> Letters<'t> {
         self.has_told = true;
         let me = self.team.me();
         for to in WorkerId::below(self.team.size()).filter(|&to| to != me) {
-            self.team.post.send(to, Kind::Mail, Vec::new());
+            self.post(to, Vec::new());
         }
     }
 
@@ -115,6 +115,11 @@ impl<'t> Letters<'t> {
         }
         self.team.figures.letters += 1;
         self.team.figures.bytes += letter.len() as u64;
+        self.post(to, letter);
+    }
+
+    /// Sends a letter, with the time if it is to be late.
+    fn post(&mut self, to: WorkerId, mut letter: Vec<u8>) {
         let mut kind = Kind::Mail;
         if !self.team.latency.is_zero() {
             letter.extend(clock().to_le_bytes());

@@ -10,7 +10,7 @@ use std::time::Duration;
 pub enum Kind {
     /// Messages of workers.
     Mail,
-    /// Such that are to be late: the time of their sending at their end.
+    /// Messages that are to be late: the time of their sending is at the end.
     Late,
     /// A part of what all members do together.
     Team,

@@ -15,17 +15,19 @@ struct Freely {
     is_tcp: bool,
     /// The delay of mails, in microseconds.
     late: Option<&'static str>,
+    /// Options beside these.
+    more: &'static [&'static str],
 }
 
 const fn job(kind: &'static str, volume: &'static str, processes: u32) -> Freely {
-    Freely { kind, volume, degrees: "0", processes, is_tcp: false, late: None }
+    Freely { kind, volume, degrees: "0", processes, is_tcp: false, late: None, more: &[] }
 }
 
 const JOBS: [Freely; 4] = [
     job("cube-octahedron", "2e-5", 2),
     Freely { is_tcp: true, late: Some("300"), ..job("cube-octahedron", "2e-5", 4) },
     Freely { degrees: "8", late: Some("300"), ..job("cube-in-cube", "2e-5", 3) },
-    job("tee", "1e-4", 4),
+    Freely { more: &["--keep-exterior"], ..job("tee", "1e-4", 4) },
 ];
 
 /// Runs them all; returns their number.
@@ -38,13 +40,13 @@ pub(super) fn run(bench: &Bench) -> Result<usize, String> {
         Ok::<_, String>((tets.ok_or_else(|| format!("{name}: no tetrahedra"))?, text))
     };
     let mut runs = 0;
-    for Freely { kind, volume, degrees, processes, is_tcp, late } in JOBS {
+    for Freely { kind, volume, degrees, processes, is_tcp, late, more } in JOBS {
         if is_tcp && !bench.mpi.has_tcp() {
             continue;
         }
         let file = format!("{kind}.poly");
         let mesh = ["mesh", &file, "--max-volume", volume, "--min-dihedral", degrees];
-        let mesh = words_of(&mesh);
+        let mesh = words_of(&[&mesh[..], more].concat());
         let alone = bench.ltbw(&[&mesh[..], &words_of(&["--json", "alone.json"])].concat())?;
         expect(kind, &alone, 0, "")?;
         _ = fs::remove_file(bench.folder.join("freely.json"));

@@ -107,14 +107,19 @@ pub fn has_slabs(path: impl AsRef<Path>) -> bool {
     Kind::of(path.as_ref()) == Some(Kind::Vtkhdf)
 }
 
-/// Has the format a number for the exterior, region 0, beside others?
+/// A mesh in parts whose arrays hold any number?
+fn holds_any(path: &Path) -> bool {
+    matches!(Kind::of(path), Some(Kind::Pvtu | Kind::Vtkhdf))
+}
+
+/// Is there a number for the exterior, region 0?
 pub fn parts_hold_exterior(path: impl AsRef<Path>) -> bool {
-    matches!(Kind::of(path.as_ref()), Some(Kind::Pvtu | Kind::Vtkhdf))
+    holds_any(path.as_ref())
 }
 
 /// Do tags of points survive there?
 pub fn parts_hold_tags(path: impl AsRef<Path>) -> bool {
-    matches!(Kind::of(path.as_ref()), Some(Kind::Pvtu | Kind::Vtkhdf))
+    holds_any(path.as_ref())
 }
 
 /// The files that [`write_parts`](crate::write_parts) writes for `path`: the list, if there is one,
