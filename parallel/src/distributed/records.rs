@@ -18,38 +18,40 @@ pub(crate) trait Record: Copy + 'static {
 impl Record for u32 {
     const BYTES: usize = 4;
 
+    #[inline]
     fn put(self, to: &mut Vec<u8>) {
-        to.extend(self.to_le_bytes());
+        to.extend_from_slice(&self.to_le_bytes());
     }
 
+    #[inline]
     fn get(bytes: &[u8]) -> Self {
-        let mut own = [0; 4];
-        own.iter_mut().zip(bytes).for_each(|(own, byte)| *own = *byte);
-        Self::from_le_bytes(own)
+        bytes.first_chunk().map_or(0, |own| Self::from_le_bytes(*own))
     }
 }
 
 impl Record for u64 {
     const BYTES: usize = 8;
 
+    #[inline]
     fn put(self, to: &mut Vec<u8>) {
-        to.extend(self.to_le_bytes());
+        to.extend_from_slice(&self.to_le_bytes());
     }
 
+    #[inline]
     fn get(bytes: &[u8]) -> Self {
-        let mut own = [0; 8];
-        own.iter_mut().zip(bytes).for_each(|(own, byte)| *own = *byte);
-        Self::from_le_bytes(own)
+        bytes.first_chunk().map_or(0, |own| Self::from_le_bytes(*own))
     }
 }
 
 impl<R: Record, const N: usize> Record for [R; N] {
     const BYTES: usize = N * R::BYTES;
 
+    #[inline]
     fn put(self, to: &mut Vec<u8>) {
         self.into_iter().for_each(|own| own.put(to));
     }
 
+    #[inline]
     fn get(bytes: &[u8]) -> Self {
         std::array::from_fn(|k| R::get(&bytes[k * R::BYTES..]))
     }
