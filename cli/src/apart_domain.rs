@@ -51,8 +51,7 @@ pub(crate) fn mesh(
         let mode = job.crew.map(|crew| crew.mode).unwrap_or_default();
         let work = Work { parallel: &parallel, token: task.stop.token(), mode };
         let markers = job.boundary.markers();
-        let is_written = !(task.outputs.whole.is_empty() && task.outputs.in_parts.is_empty());
-        let with_exterior = job.keep_exterior && is_written;
+        let with_exterior = job.keep_exterior && task.outputs.has_meshes();
         let wishes = Wishes { in_parts: true, with_exterior, markers, ..Wishes::default() };
         let end = others.refine(&job.refiner(&progress), ready, work, wishes);
         end.map_err(|error| Setting { name: task.name, stop: task.stop }.failed(error))?
@@ -129,8 +128,12 @@ fn finish_part(
     report.quality = measured.as_ref().map(measured_json);
     task.stop.inserted();
     let attributes = attributes_of(&whole.regions);
-    let piece = piece_of(inside, attributes.as_deref());
-    let with_exterior = with_exterior.map(|all| piece_of(all, attributes.as_deref()));
+    let named = |mesh| with_attributes(mesh, attributes.as_deref());
+    let piece_of = |own: PartMesh| {
+        let Piece { mesh, numbers } = own.into_piece();
+        Piece { mesh: named(mesh), numbers }
+    };
+    let (piece, with_exterior) = (piece_of(inside), with_exterior.map(piece_of));
     let checked = match task.check {
         Depth::Off => None,
         _ => Some(check(others, ready, job, &whole, &piece)?),
@@ -163,7 +166,6 @@ fn finish_part(
     write_pieces(others, &written, arrays, task, &mut report)?;
     let join = |piece, beside| -> Result<Option<Joined>, Failure> {
         let joined = others.join(piece, beside, whole.vertices)?;
-        let named = |mesh| with_attributes(mesh, attributes.as_deref());
         Ok(joined.map(|own| Joined { mesh: named(own.mesh), ..own }))
     };
     let names = &job.boundary.names;
@@ -195,14 +197,6 @@ fn finish_part(
     }
     slivers.print(ready, is_flat);
     Ok(if is_flat { Exit::Defect } else { Exit::Done })
-}
-
-/// A part as it is written.
-fn piece_of(own: PartMesh, attributes: Option<&[f64]>) -> Piece {
-    let PartMesh { part: Part { numbers, points, tets, .. }, regions, faces, .. } = own;
-    let tet_tags = Some(regions.iter().map(|&region| i64::from(region)).collect());
-    let mesh = TetMesh { points, tets, tet_tags, faces, ..TetMesh::default() };
-    Piece { mesh: with_attributes(mesh, attributes), numbers }
 }
 
 /// A mesh with the attributes of its regions, if they have some.

@@ -45,6 +45,13 @@ pub(crate) struct Outputs {
     pub(crate) are_on_stdout: bool,
 }
 
+impl Outputs {
+    /// Is any mesh to be written?
+    pub(crate) fn has_meshes(&self) -> bool {
+        !(self.whole.is_empty() && self.in_parts.is_empty())
+    }
+}
+
 impl Files<'_> {
     /// Finds out, before the work, what cannot be written: none may be an input, or written twice.
     pub(crate) fn look(&self) -> Result<Outputs, Failure> {
@@ -147,9 +154,8 @@ impl Task<'_> {
         report: &mut Report,
     ) -> Result<(), Failure> {
         let clock = Instant::now();
-        let Outputs { in_parts, whole, .. } = self.outputs;
-        let is_written = !(whole.is_empty() && in_parts.is_empty());
-        let _stage = is_written.then(|| Stage::begin("write"));
+        let in_parts = &self.outputs.in_parts;
+        let _stage = self.outputs.has_meshes().then(|| Stage::begin("write"));
         self.write_whole(mesh, beside, report)?;
         if !in_parts.is_empty() {
             let parts = parts();

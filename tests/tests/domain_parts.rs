@@ -3,9 +3,8 @@
 
 use ltbw::distributed::{self, Hashed, Joined};
 use ltbw::domain::{Domain, PrepareOptions, Prepared};
-use ltbw::io::Piece;
 use ltbw::refine::{RefineOutcome, RefineStats, Refined, Refiner, usual_tolerance};
-use ltbw::refining::{Late, PartMesh, RefinedPart, TeamRounds, Wishes, rounds_on_team};
+use ltbw::refining::{Late, RefinedPart, TeamRounds, Wishes, rounds_on_team};
 use ltbw::team::Team;
 use ltbw::threads::Parallel;
 use ltbw::{BoundaryFace, CancelToken, TetMesh, canonical_hash};
@@ -58,26 +57,15 @@ pub(super) fn judged(
 /// The mesh of the domain at the first member.
 pub(super) fn joined(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
     let RefinedPart { inside, outside, whole, .. } = own;
-    distributed::join(team, piece_of(inside), outside.clone(), whole.vertices).expect("a mesh")
+    distributed::join(team, inside.clone().into_piece(), outside.clone(), whole.vertices)
+        .expect("a mesh")
 }
 
 /// The mesh with the exterior at the first member.
 pub(super) fn joined_all(team: &mut Team, own: &RefinedPart) -> Option<Joined> {
     let all = own.with_exterior.as_ref().expect("the exterior is asked for");
     let none = distributed::Part::default();
-    distributed::join(team, piece_of(all), none, own.whole.vertices).expect("a mesh")
-}
-
-fn piece_of(PartMesh { part, regions, faces, .. }: &PartMesh) -> Piece {
-    let distributed::Part { points, numbers, tets, .. } = part;
-    let mesh = TetMesh {
-        points: points.clone(),
-        tets: tets.clone(),
-        tet_tags: Some(regions.iter().map(|&region| i64::from(region)).collect()),
-        faces: faces.clone(),
-        ..TetMesh::default()
-    };
-    Piece { mesh, numbers: numbers.clone() }
+    distributed::join(team, all.clone().into_piece(), none, own.whole.vertices).expect("a mesh")
 }
 
 /// Refines on a team whose members are to keep their parts.

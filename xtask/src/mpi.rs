@@ -66,6 +66,9 @@ const PATCHED_BOUNDS: [&str; 4] = ["--max-volume", "2.5e-6", "--flat-tolerance",
 /// The files of a mesh in parts.
 const IN_PARTS: [&str; 4] = ["parts.pvtu", "parts_%.msh", "parts.mfem", "parts.vtkhdf"];
 
+/// Files of a mesh in parts that have a number for the exterior.
+const WITH_EXTERIOR: [&str; 2] = ["parts.pvtu", "parts.vtkhdf"];
+
 /// Files of a mesh in parts that `ltbw` reads.
 const READ: [&str; 2] = ["parts.pvtu", "parts_%.msh"];
 
@@ -287,11 +290,8 @@ impl Bench {
         let mut job = self.job(count, false);
         job.arg(&self.ranked).arg("--quiet").args(&input.arguments);
         job.args(["--json", "parts.json"]);
-        // Two of the formats have no number for the exterior.
         let has_exterior = input.arguments.iter().any(|word| word == "--keep-exterior");
-        let is_held =
-            |name: &str| !has_exterior || !name.ends_with(".msh") && !name.ends_with("mfem");
-        let in_parts: Vec<&str> = IN_PARTS.into_iter().filter(|name| is_held(name)).collect();
+        let in_parts: &[&str] = if has_exterior { &WITH_EXTERIOR } else { &IN_PARTS };
         in_parts.iter().for_each(|name| _ = job.args(["-o", name]));
         job.args(whole_of(input, 1));
         if input.is_domain() {
@@ -307,8 +307,8 @@ impl Bench {
             return Err(format!("{what}: one process has the whole"));
         }
         // The others are not read by `ltbw`; what is not as asked for has no certificate.
-        let is_read = |name: &&str| alone.code == Some(0) && READ.contains(name);
-        for name in in_parts.into_iter().filter(is_read) {
+        let is_read = |name: &&&str| alone.code == Some(0) && READ.contains(name);
+        for name in in_parts.iter().filter(is_read) {
             let check = words_of(&["check", name, "--certificate", "alone.json"]);
             let checked = self.ltbw(&check)?;
             if checked.code != Some(0) {

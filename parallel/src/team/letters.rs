@@ -44,11 +44,11 @@ pub(super) struct Arrived {
 
 impl Arrived {
     pub(super) fn of(from: WorkerId, kind: Kind, mut letter: Vec<u8>) -> Self {
-        let stamp = if kind == Kind::Late { letter.last_chunk().copied() } else { None };
-        let sent = stamp.map(|bytes| {
-            letter.truncate(letter.len() - STAMP);
-            u64::from_le_bytes(bytes)
-        });
+        let mut sent = None;
+        if let (Kind::Late, Some((own, time))) = (kind, letter.split_last_chunk()) {
+            sent = Some(u64::from_le_bytes(*time));
+            letter.truncate(own.len());
+        }
         Self { from, letter, sent }
     }
 
@@ -58,9 +58,6 @@ impl Arrived {
         latency.saturating_sub(Duration::from_nanos(since))
     }
 }
-
-/// The bytes of a time.
-const STAMP: usize = 8;
 
 /// The clock that all processes of a machine see, in nanoseconds.
 fn clock() -> u64 {

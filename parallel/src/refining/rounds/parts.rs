@@ -8,9 +8,10 @@ use crate::team::{Team, TeamError};
 use crate::threads::WorkerStats;
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
-use ltbw_core::{BoundaryFace, PredicateStats, Vertex};
+use ltbw_core::{BoundaryFace, PredicateStats, TetMesh, Vertex};
 use ltbw_domain::quality::LeastAngles;
 use ltbw_exact::{Mode, Point};
+use ltbw_formats::Piece;
 use ltbw_refine::{
     Carrier, Delegated, Reason, RefineStats, RegionInfo, Start, from_smallest, in_order,
 };
@@ -64,6 +65,15 @@ pub struct PartMesh {
     pub regions: Vec<u32>,
     /// The triangles of the domain's facets that this member has, each with the facet's marker.
     pub faces: Vec<BoundaryFace>,
+}
+
+impl PartMesh {
+    /// These as a piece of the mesh, regions as tags.
+    pub fn into_piece(self) -> Piece {
+        let Self { part: Part { numbers, points, tets, .. }, regions, faces } = self;
+        let tet_tags = Some(regions.into_iter().map(i64::from).collect());
+        Piece { mesh: TetMesh { points, tets, tet_tags, faces, ..TetMesh::default() }, numbers }
+    }
 }
 
 /// One member's part of a refined domain all of whose bounds are met.
@@ -169,11 +179,10 @@ impl Ended<'_, '_> {
     ) -> Result<RefinedPart, TeamError> {
         let Numbers { of, counts, given } = self.number(team)?;
         let tets = self.mesh.inner.tets();
-        let inside = self.part_mesh(team, &of, Kept::Inside, own.ends.markers)?;
+        let mut made = |kept| self.part_mesh(team, &of, kept, own.ends.markers);
+        let inside = made(Kept::Inside)?;
+        let with_exterior = own.ends.with_exterior.then(|| made(Kept::All)).transpose()?;
         let outside = self.outside(&of, &inside.part);
-        let all = own.ends.with_exterior.then_some(Kept::All);
-        let all = all.map(|kept| self.part_mesh(team, &of, kept, own.ends.markers));
-        let with_exterior = all.transpose()?;
         let made = Made {
             stats: own.stats,
             predicates: tets.predicates(),
