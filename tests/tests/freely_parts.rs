@@ -3,7 +3,7 @@
 use super::domain_parts::{joined, joined_all, judged};
 use ltbw::distributed::{self, Joined};
 use ltbw::domain::{PrepareOptions, Prepared};
-use ltbw::refine::{RefineOutcome, RefineStats, Refiner};
+use ltbw::refine::Refiner;
 use ltbw::refining::{TeamEnd, Wishes, domain_on_team};
 use ltbw::threads::Parallel;
 use ltbw::{CancelToken, TetMesh, canonical_hash};
@@ -106,41 +106,4 @@ fn refined_freely(
     assert!(parts == 0 || parts == members, "{name}: one has the mesh, or all have their parts");
     *kept += usize::from(parts > 0);
     tets
-}
-
-/// A member that is stopped stops all; a share of the budget that is used up ends the work, too.
-/// The first member has the mesh so far then.
-#[test]
-fn what_is_stopped_without_rounds_is_one_members() {
-    let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
-    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
-    let refiner = Refiner::new().max_volume(1e-4).min_dihedral(0.0).start(256);
-    let refined = |refiner: &Refiner<'_>, stopped: Option<u32>| {
-        let ends = on_team(3, |team| {
-            let (token, parallel) = (CancelToken::new(), Parallel::new(3).among_processes());
-            if stopped == Some(team.me().number()) {
-                token.cancel();
-            }
-            let (whole, threads) = ((&ready.domain, &ready.lattice), parallel.cancel(&token));
-            let wishes = Wishes { in_parts: true, ..Wishes::default() };
-            let refiner = refiner.cancel(&token);
-            domain_on_team(&refiner, whole, (&threads, &token), team, wishes)
-        });
-        let mut ends = ends.into_iter().map(|end| end.map(TeamEnd::into_whole));
-        let first = ends.next().expect("the first member");
-        assert!(ends.all(|end| end.is_ok_and(|end| end.is_none())), "the others have nothing");
-        first.map(|whole| whole.expect("the first one has the mesh").refined)
-    };
-    for member in 0..3 {
-        match refined(&refiner, Some(member)) {
-            Ok(whole) => assert_eq!(whole.outcome, RefineOutcome::Cancelled, "{member}"),
-            // It was stopped before there was a mesh.
-            Err(error) => assert!(error.to_string().contains("cancelled"), "{member}: {error}"),
-        }
-    }
-    let small = refined(&refiner.max_points(1000), None).expect("a mesh");
-    assert_eq!(small.outcome, RefineOutcome::Budget);
-    let RefineStats { segment_points, facet_points, free_points, .. } = small.stats;
-    let points = segment_points + facet_points + free_points;
-    assert!(points <= 1000, "{points}");
 }

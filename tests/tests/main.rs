@@ -33,6 +33,7 @@ mod sliced;
 mod small_meshes;
 mod small_predicates;
 mod stacks;
+mod stopped;
 mod teams;
 mod tidy;
 mod ties;

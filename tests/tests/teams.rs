@@ -5,19 +5,18 @@ use ltbw::distributed;
 use ltbw::domain::{Domain, PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, LocalMesh, Ownership, Redeal};
 use ltbw::protocol::WorkerId;
-use ltbw::refine::{RefineOutcome, Refined, Refiner};
+use ltbw::refine::{Refined, Refiner};
 use ltbw::refining::{DomainMesh, Ending, RoundFigures, TeamRounds, Wishes, rounds_on_team};
 use ltbw::team::{Kind, LONGEST, Post, Team, Threads};
-use ltbw::threads::{Parallel, RunError};
+use ltbw::threads::Parallel;
 use ltbw::transport::Mail;
 use ltbw::wire::{Wire, charged, open};
-use ltbw::{BuildError, Builder, CancelToken, Outcome, PointSet, canonical_hash};
+use ltbw::{Builder, CancelToken, PointSet};
 use ltbw_generate::layers::stack;
 use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain, surfaces};
 use ltbw_tests::domains::NAMED;
 use ltbw_tests::fuzz::wire::{DOMAIN, PARTS, POINTS, together, wire};
 use ltbw_tests::teams::{on_team, recorded, slice_of};
-use ltbw_verify as verify;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::time::Duration;
@@ -42,50 +41,6 @@ fn mails_may_be_late() {
         all.into_iter().map(|thread| thread.join().expect("no panic")).collect()
     });
     assert_eq!(hashes, [hash; 3]);
-}
-
-/// Its own token is all that a member sees of a signal.
-#[test]
-fn a_member_that_is_stopped_stops_all() {
-    let set = uniform(30_000);
-    for victim in 0..3 {
-        let ends = on_team(3, |team| {
-            let token = CancelToken::new();
-            let is_victim = team.me() == WorkerId::new(victim);
-            let stop = |progress: ltbw::Progress| {
-                // The start is over.
-                if is_victim && progress.phase == ltbw::Phase::Insert {
-                    token.cancel();
-                }
-            };
-            let builder = Builder::new().cancel(&token).observer(&stop);
-            let slice = slice_of(team, set.points());
-            let built = builder.build_on(team, &slice).expect("a mesh");
-            let hashed = distributed::hash(team, &built.part).expect("a hash");
-            (built, hashed)
-        });
-        let tets: Vec<[u32; 4]> = ends.iter().flat_map(|(own, _)| own.part.numbered()).collect();
-        let hash = canonical_hash(set.points(), &tets).expect("a hash");
-        for (built, hashed) in &ends {
-            assert_eq!(built.outcome, Outcome::Cancelled, "member {victim}");
-            assert!(hashed.vertices < set.len() as u64);
-            assert_eq!((hashed.hash, hashed.tets), (hash, tets.len() as u64));
-        }
-        // It is the mesh of its vertices.
-        let mesh = verify::Mesh::new(set.points(), &tets);
-        let report = verify::check(&mesh, &verify::Options::default());
-        assert!(report.passed(), "member {victim}: {report}");
-    }
-    let stopped = on_team(2, |team| {
-        let token = CancelToken::new();
-        if !team.is_first() {
-            token.cancel();
-        }
-        let slice = slice_of(team, set.points());
-        Builder::new().cancel(&token).build_on(team, &slice).err()
-    });
-    let expected = Some(RunError::Build(BuildError::Cancelled));
-    assert_eq!(stopped, [expected.clone(), expected]);
 }
 
 /// Compares all that can be told of two meshes.
@@ -226,33 +181,6 @@ fn circles_are_split_by_the_first_member() {
         }
     }
     assert!(again > 0 && cut_short > 0, "{again} went on after circles, {cut_short} with refusals");
-}
-
-#[test]
-fn a_refinement_that_is_stopped_at_one_member_is_stopped() {
-    let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
-    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
-    let refiner = Refiner::new().max_volume(1e-3).start(0);
-    for victim in 0..2 {
-        let ends = on_team(2, |team| {
-            let (token, parallel) = (CancelToken::new(), Parallel::new(2).among_processes());
-            if team.me() == WorkerId::new(victim) {
-                token.cancel();
-            }
-            let refiner = refiner.cancel(&token);
-            let whole = (&ready.domain, &ready.lattice);
-            let threads = (&parallel.cancel(&token), &token);
-            rounds_on_team(&refiner, whole, threads, team, Wishes::default())
-        });
-        let first = ends.into_iter().next().expect("the first member");
-        match first {
-            Ok(TeamRounds::Whole(run, _)) => {
-                assert_eq!(run.refined.outcome, RefineOutcome::Cancelled);
-            }
-            Ok(other) => panic!("the first member has {other:?}"),
-            Err(error) => assert!(error.to_string().contains("cancelled"), "{error}"),
-        }
-    }
 }
 
 /// All letters of runs on three members: about points, and about a domain.

@@ -52,6 +52,11 @@ impl Arrived {
         Self { from, letter, sent }
     }
 
+    /// Does it say that the sender was stopped?
+    pub(super) fn says_stop(&self) -> bool {
+        self.letter.is_empty()
+    }
+
     /// The part of a delay that is left.
     fn left_of(&self, latency: Duration) -> Duration {
         let since = self.sent.map_or(0, |sent| clock().saturating_sub(sent));
@@ -67,7 +72,7 @@ fn clock() -> u64 {
 
 /// One worker's way, for one run of a team.
 ///
-/// A letter without a byte says that the run is cancelled: a token is one process's own.
+/// A letter without a byte says that the run is stopped: a token is one process's own.
 pub struct Letters<'t> {
     team: &'t mut Team,
     /// By receiver: the letter that is written.

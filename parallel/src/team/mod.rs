@@ -5,10 +5,12 @@
 //! |---|---|
 //! | `post` | letters from one member to another: the trait, and the posts of this process |
 //! | `letters` | the way of a worker's messages, as letters |
+//! | `alone` | work of the first member that all others wait for |
 //!
 //! Members call collectives in one order. A member that fails tells the others: whoever waits for
 //! it gets [`TeamError::Failed`].
 
+mod alone;
 mod letters;
 mod post;
 
@@ -157,8 +159,10 @@ impl Team {
             self.sort();
             if let Some(letter) = self.letters.get_mut(from.index()).and_then(VecDeque::pop_front) {
                 let (first, piece) = letter.split_first().unwrap_or((&LAST, &[]));
+                let is_last = *first == LAST;
                 bytes.extend_from_slice(piece);
-                if *first == LAST {
+                self.post.keep(letter);
+                if is_last {
                     return Ok(bytes);
                 }
                 continue;

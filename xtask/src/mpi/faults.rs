@@ -15,6 +15,10 @@ pub(super) const PATIENCE: Duration = Duration::from_secs(20);
 const BEGIN: Duration = Duration::from_secs(60);
 /// The delay of mails that makes a run long: in microseconds.
 const LATE: &str = "20000";
+/// A job whose points take long with late mails.
+const INSERTED: [&str; 2] = ["delaunay", "uniform-20000.npy"];
+/// A job most of whose time is the first process's, which moves vertices.
+const SMOOTHED: [&str; 6] = ["mesh", "tee.poly", "--max-volume", "2e-5", "--smooth", "16"];
 
 /// Runs them all; returns their number.
 pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
@@ -53,17 +57,23 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
         count += 1;
     }
     for rank in 0..2 {
-        let outcome = signalled(bench, rank, "KILL", &[])?;
+        let outcome = signalled(bench, rank, "KILL", &INSERTED)?;
         expect(&format!("SIGKILL of rank {rank}"), &outcome, bench.mpi.code_of(9), "signal 9")?;
         let partial = folder.join("partial.vtu");
         _ = fs::remove_file(&partial);
-        let outcome =
-            signalled(bench, rank, "TERM", &["-o", "partial.vtu", "--json", "partial.json"])?;
+        let job = [&INSERTED[..], &["-o", "partial.vtu", "--json", "partial.json"]].concat();
+        let outcome = signalled(bench, rank, "TERM", &job)?;
         expect(&format!("SIGTERM of rank {rank}"), &outcome, 4, "points meshed")?;
         let check = words_of(&["check", "partial.vtu", "--delaunay"]);
         let checked = bench.ltbw(&check)?;
         expect("the mesh so far", &checked, 0, "")?;
         count += 2;
+    }
+    for rank in 0..2 {
+        let outcome = signalled(bench, rank, "TERM", &SMOOTHED)?;
+        let what = format!("SIGTERM of rank {rank} while the first one is alone");
+        expect(&what, &outcome, 4, "cancelled")?;
+        count += 1;
     }
     Ok(count)
 }
@@ -153,11 +163,18 @@ pub(super) fn within<T>(patience: Duration, find: impl Fn() -> Option<T>) -> Opt
     None
 }
 
-/// A job whose process `rank` gets a signal in the midst of the insertion.
-fn signalled(bench: &Bench, rank: u32, signal: &str, more: &[&str]) -> Result<Outcome, String> {
+/// A job whose process `rank` gets a signal in its midst: points with late mails.
+fn signalled(
+    bench: &Bench,
+    rank: u32,
+    signal: &str,
+    arguments: &[&str],
+) -> Result<Outcome, String> {
     let mut job = telling(bench, 2);
-    job.env("LTBW_MPI_LATENCY_US", LATE);
-    job.args(["--progress", "json", "delaunay", "uniform-20000.npy"]).args(more);
+    if arguments.starts_with(&INSERTED) {
+        job.env("LTBW_MPI_LATENCY_US", LATE);
+    }
+    job.args(["--progress", "json"]).args(arguments);
     let child = begin(&mut job)?;
     let Some(pid) = pid_of(bench, rank) else {
         let ended = end(child, Duration::ZERO).err().unwrap_or_default();

@@ -36,19 +36,18 @@ pub fn domain_on_team(
     let is_stopped = team.is_any(cancel.is_cancelled()).map_err(of_team)?;
     if is_stopped {
         cancel.cancel();
-    }
-    if is_stopped && !team.is_first() {
-        return Ok(TeamEnd::Elsewhere);
+        // Nobody waits for the first one.
+        if !team.is_first() {
+            return Ok(TeamEnd::Elsewhere);
+        }
+        let why = "a run that has stopped before its workers have begun";
+        return alone(delegated?, ComplexError::Unsupported(why));
     }
     let delegated = delegated?;
     let (complex, start) = match delegated.complex() {
-        Ok(whole) if !is_stopped => whole,
-        _ if !team.is_first() => return Ok(TeamEnd::Elsewhere),
-        unfit => {
-            let why = "a run that has stopped before its workers have begun";
-            let why = unfit.err().unwrap_or(ComplexError::Unsupported(why));
-            return alone(delegated, why);
-        }
+        Ok(whole) => whole,
+        Err(_) if !team.is_first() => return elsewhere(team, cancel),
+        Err(why) => return team.work_alone(cancel, || alone(delegated, why)).map_err(of_team)?,
     };
     let plan = (parallel.plan_for(start.points.len()), parallel.config());
     let (nodes, common) = begin::<Correct>(complex, &start, plan)?;
@@ -82,7 +81,7 @@ pub fn domain_on_team(
     if !team.is_first() {
         let parcel = Parcel::of(part, stats, |_| splits);
         team.send_parcel(&parcel).map_err(of_team)?;
-        return Ok(TeamEnd::Elsewhere);
+        return elsewhere(team, cancel);
     }
     let Collected { parts, stats: workers } =
         Collected::at_first(team, (part, splits), stats, &common)?;
@@ -94,10 +93,20 @@ pub fn domain_on_team(
     let parts: Vec<Part> = parts.into_iter().map(add).collect();
     let finite = |part: &Part| part.mesh.tets().tets().filter(|(_, v)| v[3] != INFINITE).count();
     let tets = parts.iter().map(|part| finite(part) as u64).sum();
-    let (refined, owners) = end(delegated, parts, (common, &start))?;
+    let on_alone = || end(delegated, parts, (common, &start));
+    let (refined, owners) = team.work_alone(cancel, on_alone).map_err(of_team)??;
     let late = LateSteps { why, tets, seconds: since.elapsed().as_secs_f64() };
     let whole = ThreadedDomain { refined, workers, owners, splits: Ok(splits) };
     Ok(TeamEnd::Whole(Box::new(whole), late))
+}
+
+/// The end of another one, when the first one has gone on alone.
+fn elsewhere(
+    team: &mut Team,
+    cancel: &CancelToken,
+) -> Result<TeamEnd<ThreadedDomain>, RefineError> {
+    team.wait_for_first(cancel).map_err(of_team)?;
+    Ok(TeamEnd::Elsewhere)
 }
 
 /// The end of a domain that the first one refines alone.

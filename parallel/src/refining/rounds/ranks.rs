@@ -96,7 +96,7 @@ pub fn rounds_on_team(
     let told: Option<(u64, Again)> = is_first.then_some((checkpoints.every, from));
     let (every, from) = team.tell_value(told).map_err(of_team)?;
     let ends = Ends { in_parts, with_exterior, markers, fine_step: lattice.fine_step() };
-    let mut member = Member { parallel, team, stats, every, ends };
+    let mut member = Member { parallel, cancel, team, stats, every, ends };
     match delegated {
         own if is_first => {
             let mut own = own?;
@@ -113,6 +113,7 @@ pub fn rounds_on_team(
 /// One member's part in a refinement.
 struct Member<'m, 'p> {
     parallel: &'m Parallel<'p>,
+    cancel: &'m CancelToken,
     team: &'m mut Team,
     stats: WorkerStats,
     /// Rounds from one checkpoint to the next, if there are any.
@@ -185,6 +186,20 @@ impl Member<'_, '_> {
         Ok(Rest { mesh, left, common })
     }
 
+    /// Work of the first one that the others wait for.
+    fn alone<T: Send>(
+        &mut self,
+        work: impl FnOnce() -> Result<T, RefineError> + Send,
+    ) -> Result<T, RefineError> {
+        self.team.work_alone(self.cancel, work).map_err(of_team)?
+    }
+
+    /// The end of another one, when the first one has gone on alone.
+    fn elsewhere(&mut self) -> Result<TeamRounds, RefineError> {
+        self.team.wait_for_first(self.cancel).map_err(of_team)?;
+        Ok(TeamRounds::Elsewhere)
+    }
+
     /// Lets all members keep their parts, if each may.
     fn stay(
         &mut self,
@@ -212,13 +227,15 @@ impl Member<'_, '_> {
         let mut tets = None;
         // Ends as with threads: slivers are left once.
         let (refined, ending) = loop {
-            let (complex, mut start) = match delegated.complex() {
-                Ok(whole) if !is_stopped => whole,
-                Ok(_) => {
-                    let why = "a run that has stopped before the rounds";
-                    break (delegated.go_on()?, Err(ComplexError::Unsupported(why)));
-                }
-                Err(unfit) => break (delegated.go_on()?, Err(unfit)),
+            let whole = match is_stopped {
+                true => Err(ComplexError::Unsupported("a run that has stopped before the rounds")),
+                false => delegated.complex(),
+            };
+            let (complex, mut start) = match whole {
+                Ok(whole) => whole,
+                // The others do not wait.
+                Err(unfit) if is_stopped => break (delegated.go_on()?, Err(unfit)),
+                Err(unfit) => break (self.alone(|| Ok(delegated.go_on()?))?, Err(unfit)),
             };
             if let Some(kept) = from.take() {
                 (start, resumed) = kept;
@@ -240,10 +257,11 @@ impl Member<'_, '_> {
             tets = Some(handed.mesh.num_tets() as u64);
             resumed.figures.ended += u64::from(ending != Ending::Border);
             ended = told_of(ended, ending);
-            match go_on(&mut delegated, handed, (ending, resumed.figures))? {
+            let figures = resumed.figures;
+            match self.alone(|| go_on(&mut delegated, handed, (ending, figures)))? {
                 Then::One(left) => {
                     self.team.tell_value(Some(None::<(Start, Resumed)>)).map_err(of_team)?;
-                    break (finish(delegated, left)?, Ok(ended));
+                    break (self.alone(|| finish(delegated, left))?, Ok(ended));
                 }
                 Then::Workers(left) => {
                     let again = (delegated.complex()?.1, *left);
@@ -275,7 +293,7 @@ impl Member<'_, '_> {
     ) -> Result<TeamRounds, RefineError> {
         let Ok((complex, start)) = delegated.complex() else {
             // The first one refines it alone.
-            return Ok(TeamRounds::Elsewhere);
+            return self.elsewhere();
         };
         let begin = from.unwrap_or_else(|| (start, Resumed::default()));
         let (mut complex, mut again) = (complex, begin);
@@ -287,8 +305,9 @@ impl Member<'_, '_> {
             }
             let parcel = Parcel::of(Part::of(rest.mesh), self.stats, |number| rest.left.by(number));
             self.team.send_parcel(&parcel).map_err(of_team)?;
+            self.team.wait_for_first(self.cancel).map_err(of_team)?;
             match self.team.tell_value(None::<Again>).map_err(of_team)? {
-                None => return Ok(TeamRounds::Elsewhere),
+                None => return self.elsewhere(),
                 Some(told) => again = told,
             }
             // The boundary and the bounds are those at the start.
