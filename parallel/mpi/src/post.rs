@@ -55,8 +55,9 @@ const NAP: Duration = Duration::from_micros(20);
 const LONG_NAP: Duration = Duration::from_millis(1);
 /// The time after which whoever waits is sure to wait for long.
 const PATIENCE: Duration = Duration::from_millis(20);
-/// Letters whose memory is kept.
+/// Letters whose memory is kept, and the bytes of the largest: those of collectives are larger.
 const SPARE: usize = 256;
+const LARGEST: usize = 1 << 16;
 
 const MAIL: i32 = 1;
 const TEAM: i32 = 2;
@@ -68,7 +69,10 @@ pub(crate) struct Mpi {
     me: WorkerId,
     members: u32,
     waiting: Waiting,
+    /// Letters without what was in them.
     spare: Vec<Vec<u8>>,
+    /// None, between calls.
+    done: Vec<Vec<u8>>,
     failed: Option<WorkerId>,
     /// The mails to be sent before a planted panic.
     fault: Option<u64>,
@@ -81,15 +85,16 @@ impl Mpi {
         let calls = Calls::on(world);
         let me = WorkerId::new(u32::try_from(calls.comm().rank()).unwrap_or(0));
         let members = u32::try_from(calls.comm().size()).unwrap_or(1);
-        Self { calls, me, members, waiting, spare: Vec::new(), failed: None, fault }
+        let (spare, done) = (Vec::new(), Vec::new());
+        Self { calls, me, members, waiting, spare, done, failed: None, fault }
     }
 
-    /// Takes back what MPI is done with. A letter's memory is kept without what was in it.
+    /// Takes back what MPI is done with.
     fn complete(&mut self) {
-        let before = self.spare.len();
-        self.calls.complete(&mut self.spare);
-        self.spare[before..].iter_mut().for_each(Vec::clear);
-        self.spare.truncate(SPARE);
+        let mut done = std::mem::take(&mut self.done);
+        self.calls.complete(&mut done);
+        done.drain(..).for_each(|letter| self.keep(letter));
+        self.done = done;
     }
 }
 
@@ -165,7 +170,7 @@ impl Post for Mpi {
     }
 
     fn keep(&mut self, mut letter: Vec<u8>) {
-        if self.spare.len() < SPARE {
+        if self.spare.len() < SPARE && letter.capacity() <= LARGEST {
             letter.clear();
             self.spare.push(letter);
         }

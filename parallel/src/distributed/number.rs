@@ -2,7 +2,7 @@
 //! which has all of them.
 
 use super::records::{bytes_of, refused, values_of};
-use super::sort::stretch_cut;
+use super::sort::{merged, place_of, stretch_cut};
 use crate::protocol::WorkerId;
 use crate::team::{Team, TeamError};
 use ltbw_core::order::{Curve, bounding_box};
@@ -57,8 +57,7 @@ pub(crate) fn number(
     // One member has all of a cell: clusters are sorted again.
     let asked = stretch_cut(team, &keys, |[key, ..]| [key, 0, 0, 0, 0])?;
     drop(keys);
-    let mut stretch = asked.concat();
-    stretch.par_sort_unstable();
+    let mut stretch = merged(&asked);
     stretch.dedup();
     let points: Vec<Point> =
         stretch.par_iter().map(|&[_, x, y, z, _]| of_ascending([x, y, z])).collect();
@@ -81,9 +80,15 @@ pub(crate) fn number(
     }
     drop(points);
     // Whatever was asked for is in the stretch.
-    let answer = |own: &Keyed| places[stretch.partition_point(|other| other < own)];
-    let answers: Vec<Vec<u8>> =
-        asked.par_iter().map(|keys| bytes_of(keys.iter().map(answer))).collect();
+    let answer = |keys: &Vec<Keyed>| {
+        let mut place = 0;
+        let number = |own: &Keyed| {
+            place = place_of(own, &stretch, place);
+            places[place]
+        };
+        bytes_of(keys.iter().map(number))
+    };
+    let answers: Vec<Vec<u8>> = asked.par_iter().map(answer).collect();
     drop(asked);
     let answers = team.exchange(answers)?;
     let mut numbers = vec![0; own.len()];

@@ -15,33 +15,26 @@ pub(crate) trait Record: Copy + 'static {
     fn get(bytes: &[u8]) -> Self;
 }
 
-impl Record for u32 {
-    const BYTES: usize = 4;
+/// Whole numbers are their bytes, the lowest first.
+macro_rules! whole {
+    ($($number:ty)+) => {$(
+        impl Record for $number {
+            const BYTES: usize = size_of::<Self>();
 
-    #[inline]
-    fn put(self, to: &mut Vec<u8>) {
-        to.extend_from_slice(&self.to_le_bytes());
-    }
+            #[inline]
+            fn put(self, to: &mut Vec<u8>) {
+                to.extend_from_slice(&self.to_le_bytes());
+            }
 
-    #[inline]
-    fn get(bytes: &[u8]) -> Self {
-        bytes.first_chunk().map_or(0, |own| Self::from_le_bytes(*own))
-    }
+            #[inline]
+            fn get(bytes: &[u8]) -> Self {
+                bytes.first_chunk().map_or(0, |own| Self::from_le_bytes(*own))
+            }
+        }
+    )+};
 }
 
-impl Record for u64 {
-    const BYTES: usize = 8;
-
-    #[inline]
-    fn put(self, to: &mut Vec<u8>) {
-        to.extend_from_slice(&self.to_le_bytes());
-    }
-
-    #[inline]
-    fn get(bytes: &[u8]) -> Self {
-        bytes.first_chunk().map_or(0, |own| Self::from_le_bytes(*own))
-    }
-}
+whole!(u32 u64 u128);
 
 impl<R: Record, const N: usize> Record for [R; N] {
     const BYTES: usize = N * R::BYTES;

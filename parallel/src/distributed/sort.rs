@@ -49,6 +49,26 @@ where
     by_sender.map(|(sender, bytes)| Ok(values_of(sender, bytes)?.collect())).collect()
 }
 
+/// Values that come in stretches, each of which is sorted: all of them, sorted.
+pub(super) fn merged<R: Copy + Ord>(stretches: &[Vec<R>]) -> Vec<R> {
+    let mut all = stretches.concat();
+    // A stable sort finds the stretches, and merges them.
+    all.sort();
+    all
+}
+
+/// The place of the first of sorted values that is not below this one; near `last`, if it can be.
+pub(super) fn place_of<R: Ord>(own: &R, sorted: &[R], last: usize) -> usize {
+    /// Places that are looked at before a search.
+    const NEAR: usize = 8;
+    let near = || sorted[last..].iter().take(NEAR).position(|other| other >= own);
+    match last == 0 || sorted[last - 1] < *own {
+        true => near().map(|k| last + k),
+        false => None,
+    }
+    .unwrap_or_else(|| sorted.partition_point(|other| other < own))
+}
+
 /// One member's sorted values, as far as the first one knows.
 #[derive(Serialize, serde::Deserialize)]
 struct Samples<R> {
@@ -105,6 +125,18 @@ fn cuts_of<R: Record + Ord>(all: Vec<Samples<R>>, members: usize) -> Vec<R> {
 mod tests {
     use super::*;
     use crate::team::threads;
+
+    #[test]
+    fn places_are_those_of_a_search() {
+        let sorted: Vec<u32> = (0..60).map(|k| k * k / 9).collect();
+        for last in 0..=sorted.len() {
+            for own in 0..=400 {
+                let expected = sorted.partition_point(|&other| other < own);
+                assert_eq!(place_of(&own, &sorted, last), expected, "{own} from {last}");
+            }
+        }
+        assert_eq!(merged(&[vec![2, 5, 9], vec![], vec![1, 5, 7]]), [1, 2, 5, 5, 7, 9]);
+    }
 
     /// A first member that tells more cuts than there are members is refused.
     #[test]
