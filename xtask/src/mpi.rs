@@ -4,6 +4,7 @@
 //! stopped; jobs that go on from the checkpoint of one that has lost a process.
 
 mod asked;
+mod beside;
 mod draw;
 mod faults;
 mod freely;
@@ -144,6 +145,9 @@ fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
     let bench = Bench::build(mpi, runs_all)?;
     if asked.validates {
         return validate::run(&bench);
+    }
+    if asked.has_speed {
+        return beside::run(&bench);
     }
     if let Some(count) = asked.seeds {
         return seeds::run(&bench, count, asked.ranks.as_deref(), asked.seed);

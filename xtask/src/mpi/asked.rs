@@ -3,7 +3,7 @@
 use super::library::LIBRARIES;
 
 const USAGE: &str = "cargo xtask mpi [--only openmpi|mpich] [--ranks 1,2,3,4] [--readers] \
-                     [--validate] [--seeds N] [--faults N] [--seed N]";
+                     [--validate] [--speed] [--seeds N] [--faults N] [--seed N]";
 
 /// The demands of a command line.
 #[derive(Debug)]
@@ -14,6 +14,7 @@ pub(super) struct Asked {
     pub(super) ranks: Option<Vec<u32>>,
     pub(super) has_readers: bool,
     pub(super) validates: bool,
+    pub(super) has_speed: bool,
     /// Sets at random, and nothing else.
     pub(super) seeds: Option<u64>,
     /// Jobs with faults, and nothing else.
@@ -25,9 +26,10 @@ impl Asked {
     pub(super) fn of(rest: &[String]) -> Result<Self, String> {
         let seed = std::time::UNIX_EPOCH.elapsed().map_or(1, |since| since.as_secs());
         let libraries = LIBRARIES.iter().map(|library| library.name).collect();
-        let (has_readers, validates) = (false, false);
+        let (has_readers, validates, has_speed) = (false, false, false);
         let (ranks, seeds, faults) = (None, None, None);
-        let mut own = Self { libraries, ranks, has_readers, validates, seeds, faults, seed };
+        let mut own =
+            Self { libraries, ranks, has_readers, validates, has_speed, seeds, faults, seed };
         let mut words = rest.iter().map(String::as_str);
         while let Some(word) = words.next() {
             let mut value = || words.next().ok_or_else(|| USAGE.to_owned());
@@ -37,6 +39,7 @@ impl Asked {
             match word {
                 "--readers" => own.has_readers = true,
                 "--validate" => own.validates = true,
+                "--speed" => own.has_speed = true,
                 "--seeds" => own.seeds = Some(number(value()?)?),
                 "--faults" => own.faults = Some(number(value()?)?),
                 "--seed" => own.seed = number(value()?)?,

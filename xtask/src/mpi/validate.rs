@@ -189,7 +189,7 @@ fn read(bench: &Bench, job: usize) -> Result<String, String> {
 }
 
 /// The numbers of all fields of a name.
-fn all_of(report: &str, field: &str) -> Vec<f64> {
+pub(super) fn all_of(report: &str, field: &str) -> Vec<f64> {
     let name = format!("\"{field}\": ");
     let number = |line: &str| line.trim().strip_prefix(&name)?.trim_end_matches(',').parse().ok();
     report.lines().filter_map(number).collect()
