@@ -107,13 +107,11 @@ fn finish_part(
         regions: &whole.regions,
         slivers: &slivers,
         refined: None,
+        is_timed: whole.splits.is_some(),
     };
     let mut report = told.report(job, ready);
     if let Some(refinement) = &mut report.refinement {
         refinement["late"] = Value::Null;
-        if whole.splits.is_some() {
-            refinement["reproducible"] = false.into();
-        }
     }
     report.mesh.hash = Some(hashed.hash.to_string());
     report.seconds = seconds;

@@ -28,11 +28,13 @@ pub(crate) struct Told<'a> {
     pub(crate) slivers: &'a SliversLeft,
     /// The mesh that tells of excuses, if one has it.
     pub(crate) refined: Option<&'a Refined>,
+    /// Refined without rounds, so that the mesh depends on the timing.
+    pub(crate) is_timed: bool,
 }
 
 impl<'a> Told<'a> {
     /// The things that are told of a mesh that one has.
-    pub(crate) fn of(refined: &'a Refined, slivers: &'a SliversLeft) -> Self {
+    pub(crate) fn of(refined: &'a Refined, slivers: &'a SliversLeft, is_timed: bool) -> Self {
         let mesh = refined.mesh();
         Self {
             outcome: refined.outcome,
@@ -42,6 +44,7 @@ impl<'a> Told<'a> {
             regions: &refined.regions,
             slivers,
             refined: Some(refined),
+            is_timed,
         }
     }
 
@@ -125,7 +128,7 @@ impl<'a> Told<'a> {
             "free_points": stats.free_points,
             "slivers": self.slivers.json(),
             "moved": stats.moved,
-            "reproducible": self.outcome != RefineOutcome::Cancelled,
+            "reproducible": self.outcome != RefineOutcome::Cancelled && !self.is_timed,
             "rounds": rounds::json(stats),
             "excused": self.refined.map_or(0, |refined| refined.excuses.len()),
             "excused_at": excused::json(&excused, share),

@@ -60,13 +60,10 @@ pub(crate) fn finish(
         .to_string();
     seconds.hash = clock.elapsed().as_secs_f64();
     let slivers = SliversLeft::of(&refined);
-    let told = Told::of(&refined, &slivers);
+    let told = Told::of(&refined, &slivers, made.splits.is_some());
     let mut report = told.report(job, ready);
     if let (Some(refinement), Some(late)) = (&mut report.refinement, late) {
         refinement["late"] = late;
-    }
-    if let (Some(refinement), Some(_)) = (&mut report.refinement, made.splits) {
-        refinement["reproducible"] = false.into();
     }
     report.mesh.hash = Some(hash);
     report.seconds = seconds;

@@ -13,13 +13,11 @@ use crate::rounds::START;
 use ltbw::TetMesh;
 use ltbw::domain::Prepared;
 use ltbw::refine::{RefineOutcome, Refined};
-use ltbw::refining::{SimulatedDomain, simulate_domain};
+use ltbw::refining::{START_EACH, SimulatedDomain, simulate_domain};
 use ltbw::simulate::{Around, Options, Whole};
 use ltbw_verify as verify;
 use std::path::Path;
 
-/// Vertices of each processor at the start: with fewer, most cavities reach an interface.
-const START_EACH: usize = 2048;
 /// Tetrahedra of a mesh for each of the largest volume that its domain holds, about.
 const TETS_PER_VOLUME: f64 = 1.9;
 /// And for each vertex.

@@ -19,7 +19,8 @@ use ltbw_domain::{Domain, Lattice};
 use ltbw_refine::{Complex, ComplexError, Delegated, Handed, Refined, Refiner, Start};
 
 /// Vertices of each worker at the start: with fewer, most cavities reach an interface.
-const START_EACH: usize = 2048;
+#[doc(hidden)]
+pub const START_EACH: usize = 2048;
 
 /// A domain that simulated processors have refined.
 #[derive(Debug)]

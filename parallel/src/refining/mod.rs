@@ -16,7 +16,8 @@ pub use domain::{
 #[cfg(feature = "wire")]
 pub use freely::domain_on_team;
 pub use freely::{
-    SimulatedDomain, ThreadedDomain, domain_on_threads, simulate_domain, simulate_domain_as,
+    START_EACH, SimulatedDomain, ThreadedDomain, domain_on_threads, simulate_domain,
+    simulate_domain_as,
 };
 pub use news::{
     Ball, DomainNews, Entrant, Fate, KeysTold, Owned, PartEnd, ProbeId, Proposal, Report, Reported,
