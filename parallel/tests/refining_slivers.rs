@@ -85,6 +85,9 @@ fn workers_split_slivers_after_relief() {
         let [slivers, left] = points(&refiner, &ready);
         println!("{name}: {slivers} points for slivers, {left} left to the engine");
         assert!(one_mesh(&name, &refiner, &ready).is_ok(), "{name}");
+        // Vertices are moved when slivers are split, and not before.
+        let name = format!("{name}, smoothed");
+        assert!(one_mesh(&name, &refiner.smooth(3), &ready).is_ok(), "{name}");
         all = [all[0] + slivers, all[1] + left];
     }
     assert!(all[0] > 50 && all[1] < all[0] / 4, "{all:?}");
