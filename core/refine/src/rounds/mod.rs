@@ -319,7 +319,9 @@ impl<'r, 'a> Rounds<'r, 'a> {
             }
             self.clock.begin();
         }
-        if stop.is_none() && self.smooth(self.own.sweeps, look)? {
+        // Vertices are moved when all else is done, by others, too.
+        let is_over = stop.is_none() && slivers.is_none();
+        if is_over && self.smooth(self.own.sweeps, look)? {
             stop = Some(Reason::Cancelled);
         }
         self.check_complete()?;
