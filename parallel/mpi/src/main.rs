@@ -16,11 +16,13 @@ use ltbw_cli::ranks::{Checkpoint, Ended, run};
 use mpi::environment::{Threading, initialize_with_threading};
 use mpi::topology::{Communicator, SimpleCommunicator};
 use post::{Mpi, Waiting};
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::process::ExitCode;
+use std::thread::current;
 use std::time::Duration;
 
 /// The exit code of a panic: that of an internal software error in `sysexits.h`.
-const PANIC: i32 = 70;
+const PANIC: u8 = 70;
 
 fn main() -> ExitCode {
     let Some((universe, threading)) = initialize_with_threading(Threading::Funneled) else {
@@ -53,7 +55,9 @@ fn main() -> ExitCode {
             world.abort(2);
         }
     };
-    match run(&mut team, checkpoint) {
+    // A panic of another thread comes here with whatever that was to do.
+    let ended = catch_unwind(AssertUnwindSafe(|| run(&mut team, checkpoint)));
+    match ended.unwrap_or(Ended::Alone(PANIC)) {
         Ended::Together(code) => {
             drop(team);
             ExitCode::from(code)
@@ -83,12 +87,15 @@ fn asked_for(name: &str) -> Option<u64> {
     std::env::var(name).ok()?.parse().ok()
 }
 
-/// A process that panics would wait for the others in the end, and these for it: the job ends.
+/// A process that panics would wait for the others in the end, and these for it: the job ends. MPI
+/// is this thread's alone.
 fn abort_on_panic(rank: i32) {
-    let print = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |panic| {
+    let (print, here) = (take_hook(), current().id());
+    set_hook(Box::new(move |panic| {
         eprintln!("ltbw-mpi: rank {rank}: a panic; this is a defect of the program");
         print(panic);
-        SimpleCommunicator::world().abort(PANIC);
+        if current().id() == here {
+            SimpleCommunicator::world().abort(PANIC.into());
+        }
     }));
 }
