@@ -141,7 +141,8 @@ fn a_member_that_waits_for_the_first_one_stops_it() {
                     wait_until(|| token.is_cancelled());
                 }
             };
-            let refiner = Refiner::new().max_volume(1e-3).min_dihedral(12.0).smooth(4).start(0);
+            let refiner =
+                Refiner::new().max_volume(1e-3).min_dihedral(12.0).smooth(4).start(0).one_thread();
             let refiner = refiner.cancel(&token).observer(&observer);
             std::thread::scope(|scope| {
                 if is_victim {

@@ -6,7 +6,7 @@
 
 use super::Part;
 use super::records::{bytes_of, refused, values_of};
-use super::sort::{merged, place_of, stretch_of};
+use super::sort::{place_in, stretch_of};
 use super::stream::HashStream;
 use crate::protocol::WorkerId;
 use crate::team::{Team, TeamError};
@@ -54,9 +54,11 @@ fn hash_whole(team: &mut Team, part: &Part) -> Result<Hashed, TeamError> {
     };
     let mut own: Vec<u128> = part.tets.par_iter().map(row).collect();
     own.par_sort_unstable();
-    let rows = stretch_of(team, &own)?;
+    let stretches = stretch_of(team, &own)?;
     drop(own);
-    let rows = merged(&rows);
+    let mut rows = stretches.concat();
+    drop(stretches);
+    rows.sort();
     let counts: Vec<u64> = team.gather_all(&(rows.len() as u64))?;
     let tets = sum(&counts);
 
@@ -92,14 +94,15 @@ fn numbered(team: &mut Team, points: &[Point]) -> Result<Numbered, TeamError> {
     let keys: Vec<Key> = sorted.iter().map(|&(key, _)| key).collect();
     let asked = stretch_of(team, &keys)?;
     drop(keys);
-    let mut stretch = merged(&asked);
+    let mut stretch = asked.concat();
+    stretch.sort();
     stretch.dedup();
     let counts: Vec<u64> = team.gather_all(&(stretch.len() as u64))?;
     let [first, vertices] = [sum(&counts[..team.me().index()]), sum(&counts)];
     let answer = |keys: &Vec<Key>| {
         let mut place = 0;
         let number = |key: &Key| {
-            place = place_of(key, &stretch, place);
+            place = place_in(key, &stretch, place);
             first.saturating_add(place as u64) as u32
         };
         bytes_of(keys.iter().map(number))

@@ -2,7 +2,7 @@
 //! which has all of them.
 
 use super::records::{bytes_of, refused, values_of};
-use super::sort::{merged, place_of, stretch_cut};
+use super::sort::{place_in, stretch_cut};
 use crate::protocol::WorkerId;
 use crate::team::{Team, TeamError};
 use ltbw_core::order::{Curve, bounding_box};
@@ -57,7 +57,8 @@ pub(crate) fn number(
     // One member has all of a cell: clusters are sorted again.
     let asked = stretch_cut(team, &keys, |[key, ..]| [key, 0, 0, 0, 0])?;
     drop(keys);
-    let mut stretch = merged(&asked);
+    let mut stretch = asked.concat();
+    stretch.sort();
     stretch.dedup();
     let points: Vec<Point> =
         stretch.par_iter().map(|&[_, x, y, z, _]| of_ascending([x, y, z])).collect();
@@ -83,7 +84,7 @@ pub(crate) fn number(
     let answer = |keys: &Vec<Keyed>| {
         let mut place = 0;
         let number = |own: &Keyed| {
-            place = place_of(own, &stretch, place);
+            place = place_in(own, &stretch, place);
             places[place]
         };
         bytes_of(keys.iter().map(number))

@@ -8,7 +8,7 @@
 
 use super::Slice;
 use super::records::{bytes_of, refused, values_of};
-use super::sort::{merged, stretch_of};
+use super::sort::stretch_of;
 use crate::protocol::WorkerId;
 use crate::team::{Team, TeamError};
 use ltbw_core::build::is_independent;
@@ -74,8 +74,9 @@ pub fn order(team: &mut Team, slice: &Slice) -> Result<Ordered, TeamError> {
             return Err(refused(from, [40 * k, 40 * stretch.len()], "no point of the input").into());
         }
     }
-    let sorted = merged(&stretches);
+    let mut sorted = stretches.concat();
     drop(stretches);
+    sorted.sort();
     let Distinct { records, duplicates } = distinct(team, &sorted)?;
     drop(sorted);
     let (firsts, records) = share(team, records)?;

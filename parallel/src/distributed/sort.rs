@@ -11,7 +11,8 @@ use serde::de::DeserializeOwned;
 const SAMPLES: usize = 64;
 
 /// Brings sorted values of all members where they belong: every member gets a stretch of about
-/// equal length, by sender, each sorted. Equal values come to one member.
+/// equal length, by sender, each sorted: a stable sort merges these. Equal values come to one
+/// member.
 ///
 /// # Errors
 /// [`TeamError`] if a member has failed, or has sent no such values.
@@ -49,16 +50,8 @@ where
     by_sender.map(|(sender, bytes)| Ok(values_of(sender, bytes)?.collect())).collect()
 }
 
-/// Values that come in stretches, each of which is sorted: all of them, sorted.
-pub(super) fn merged<R: Copy + Ord>(stretches: &[Vec<R>]) -> Vec<R> {
-    let mut all = stretches.concat();
-    // A stable sort finds the stretches, and merges them.
-    all.sort();
-    all
-}
-
 /// The place of the first of sorted values that is not below this one; near `last`, if it can be.
-pub(super) fn place_of<R: Ord>(own: &R, sorted: &[R], last: usize) -> usize {
+pub(super) fn place_in<R: Ord>(own: &R, sorted: &[R], last: usize) -> usize {
     /// Places that are looked at before a search.
     const NEAR: usize = 8;
     let near = || sorted[last..].iter().take(NEAR).position(|other| other >= own);
@@ -132,10 +125,9 @@ mod tests {
         for last in 0..=sorted.len() {
             for own in 0..=400 {
                 let expected = sorted.partition_point(|&other| other < own);
-                assert_eq!(place_of(&own, &sorted, last), expected, "{own} from {last}");
+                assert_eq!(place_in(&own, &sorted, last), expected, "{own} from {last}");
             }
         }
-        assert_eq!(merged(&[vec![2, 5, 9], vec![], vec![1, 5, 7]]), [1, 2, 5, 5, 7, 9]);
     }
 
     /// A first member that tells more cuts than there are members is refused.

@@ -8,7 +8,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread::{Builder, scope, sleep};
 use std::time::Duration;
 
-/// The time from one look to the next: all wait for work of milliseconds at least.
+/// The time from one look for stops, or for the end, to the next.
 const LOOK: Duration = Duration::from_millis(1);
 
 /// The stack of such work: as the main thread of a program has.
@@ -51,8 +51,8 @@ impl Team {
         made.map_err(|_| TeamError::Failed(self.me()))
     }
 
-    /// Waits until the first member has done its work ([`Team::alone`]), and tells it once if this
-    /// one is stopped.
+    /// Waits until the first member has done its work ([`Team::work_alone`]), and tells it once if
+    /// this one is stopped.
     ///
     /// # Errors
     /// [`TeamError`] if a member has failed.
@@ -65,6 +65,8 @@ impl Team {
                 self.post.send(first, Kind::Mail, Vec::new());
                 self.post.flush();
             }
+            // MPI lets go of letters that have arrived when it is asked.
+            self.post.flush();
             sleep(LOOK);
             self.sort();
         }
@@ -95,6 +97,7 @@ mod tests {
                         false => team.wait_for_first(&token),
                     };
                     heard.expect("nobody has failed");
+                    assert!(token.is_cancelled() || (me != 0 && me != stopped));
                     // The next collective is in order.
                     team.gather_all(&me).expect("all numbers")
                 };
@@ -110,7 +113,7 @@ mod tests {
     fn work_of_one_takes_no_thread() {
         let here = std::thread::current().id();
         let there = Team::new(crate::team::Alone)
-            .alone(&CancelToken::new(), || std::thread::current().id());
+            .work_alone(&CancelToken::new(), || std::thread::current().id());
         assert_eq!(there, Ok(here));
     }
 }

@@ -64,8 +64,11 @@ fn measured(
     }
     let report = fs::read_to_string(bench.folder.join("speed.json"));
     let report = report.map_err(|error| error.to_string())?;
-    // Each field is in one place.
-    Ok([figure, "total"].map(|field| all_of(&report, field).iter().sum()))
+    let of = |field| match all_of(&report, field)[..] {
+        [seconds] => Ok(seconds),
+        _ => Err(format!("a report without seconds of `{field}`")),
+    };
+    Ok([of(figure)?, of("total")?])
 }
 
 /// The median and the least of a figure.

@@ -17,7 +17,7 @@ const BEGIN: Duration = Duration::from_secs(60);
 const LATE: &str = "20000";
 /// A job whose points take long with late mails.
 const INSERTED: [&str; 2] = ["delaunay", "uniform-20000.npy"];
-/// A job most of whose time is the first process's, which moves vertices.
+/// A job half of whose time is the first process's, which moves vertices.
 const SMOOTHED: [&str; 6] = ["mesh", "tee.poly", "--max-volume", "2e-5", "--smooth", "16"];
 
 /// Runs them all; returns their number.
@@ -71,7 +71,7 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
     }
     for rank in 0..2 {
         let outcome = signalled(bench, rank, "TERM", &SMOOTHED)?;
-        let what = format!("SIGTERM of rank {rank} while the first one is alone");
+        let what = format!("SIGTERM of rank {rank} as vertices are moved, or soon to be");
         expect(&what, &outcome, 4, "cancelled")?;
         count += 1;
     }
@@ -163,7 +163,7 @@ pub(super) fn within<T>(patience: Duration, find: impl Fn() -> Option<T>) -> Opt
     None
 }
 
-/// A job whose process `rank` gets a signal in its midst: points with late mails.
+/// A job whose process `rank` gets a signal in its midst; of points mails are late.
 fn signalled(
     bench: &Bench,
     rank: u32,

@@ -16,11 +16,10 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// The commands that are run.
-const JOBS: [&[&str]; 6] = [
+const JOBS: [&[&str]; 5] = [
     &["delaunay", "uniform-20000.npy", "-o", "storm.pvtu"],
     &["mesh", "cube-octahedron.poly", "--max-volume", "2e-4", "-o", "storm.pvtu"],
     &["mesh", "tee.poly", "--max-volume", "6e-4", "-o", "storm.vtu"],
-    &["mesh", "tee.poly", "--max-volume", "3e-4", "--smooth", "16", "-o", "storm.vtu"],
     &["mesh", "gear.poly", "--max-volume", "2e-4", "--min-dihedral", "0", "-o", "storm.pvtu"],
     &[
         "mesh",

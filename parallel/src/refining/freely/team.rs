@@ -29,7 +29,7 @@ pub fn domain_on_team(
     (domain, lattice): (&Domain, &Lattice),
     (parallel, cancel): (&Parallel<'_>, &CancelToken),
     team: &mut Team,
-    Wishes { in_parts, with_exterior, markers, .. }: Wishes<'_>,
+    wishes: Wishes<'_>,
 ) -> Result<TeamEnd<ThreadedDomain>, RefineError> {
     let delegated = refiner.delegate_to(domain, lattice, team.size() as usize * START_EACH);
     // A token is one process's own; whoever was stopped has another start.
@@ -43,11 +43,31 @@ pub fn domain_on_team(
         let why = "a run that has stopped before its workers have begun";
         return alone(delegated?, ComplexError::Unsupported(why));
     }
-    let delegated = delegated?;
+    let Wishes { in_parts, with_exterior, markers, .. } = wishes;
+    let ends = Ends { in_parts, with_exterior, markers, fine_step: lattice.fine_step() };
+    let ended = by_all(delegated?, (parallel, cancel), team, ends);
+    if ended.is_err() {
+        // Others may wait for this one.
+        team.fail();
+    }
+    ended?
+}
+
+/// The refinement by all members, and its end.
+///
+/// # Errors
+/// An error that others may not have heard of; within, one that the first member alone has, in the
+/// end.
+fn by_all(
+    delegated: Delegated<'_>,
+    (parallel, cancel): (&Parallel<'_>, &CancelToken),
+    team: &mut Team,
+    ends: Ends<'_>,
+) -> Result<Result<TeamEnd<ThreadedDomain>, RefineError>, RefineError> {
     let (complex, start) = match delegated.complex() {
         Ok(whole) => whole,
-        Err(_) if !team.is_first() => return elsewhere(team, cancel),
-        Err(why) => return team.work_alone(cancel, || alone(delegated, why)).map_err(of_team)?,
+        Err(_) if !team.is_first() => return elsewhere(team, cancel).map(Ok),
+        Err(why) => return team.work_alone(cancel, || alone(delegated, why)).map_err(of_team),
     };
     let plan = (parallel.plan_for(start.points.len()), parallel.config());
     let (nodes, common) = begin::<Correct>(complex, &start, plan)?;
@@ -65,8 +85,6 @@ pub fn domain_on_team(
     let (mesh, source, _) = node.into_parts();
     let (splits, left) = (source.splits, Left::nothing(me));
     let ended = Ended { mesh: &mesh, left: &left, start: &start };
-    let fine_step = lattice.fine_step();
-    let ends = Ends { in_parts, with_exterior, markers, fine_step };
     let own = Own::new(stats, ends).without_rounds(splits);
     let look = || match () {
         () if is_cut => Err(Late::Stopped),
@@ -74,14 +92,14 @@ pub fn domain_on_team(
         () => look(&mesh, &left, &delegated),
     };
     let why = match ended.stay(team, &delegated, own, look).map_err(of_team)? {
-        Stays::Part(part) => return Ok(TeamEnd::Part(part)),
+        Stays::Part(part) => return Ok(Ok(TeamEnd::Part(part))),
         Stays::Not(why) => why,
     };
     let part = Part::of(mesh);
     if !team.is_first() {
         let parcel = Parcel::of(part, stats, |_| splits);
         team.send_parcel(&parcel).map_err(of_team)?;
-        return elsewhere(team, cancel);
+        return elsewhere(team, cancel).map(Ok);
     }
     let Collected { parts, stats: workers } =
         Collected::at_first(team, (part, splits), stats, &common)?;
@@ -94,10 +112,12 @@ pub fn domain_on_team(
     let finite = |part: &Part| part.mesh.tets().tets().filter(|(_, v)| v[3] != INFINITE).count();
     let tets = parts.iter().map(|part| finite(part) as u64).sum();
     let on_alone = || end(delegated, parts, (common, &start));
-    let (refined, owners) = team.work_alone(cancel, on_alone).map_err(of_team)??;
+    let ended = team.work_alone(cancel, on_alone).map_err(of_team)?;
     let late = LateSteps { why, tets, seconds: since.elapsed().as_secs_f64() };
-    let whole = ThreadedDomain { refined, workers, owners, splits: Ok(splits) };
-    Ok(TeamEnd::Whole(Box::new(whole), late))
+    Ok(ended.map(|(refined, owners)| {
+        let whole = ThreadedDomain { refined, workers, owners, splits: Ok(splits) };
+        TeamEnd::Whole(Box::new(whole), late)
+    }))
 }
 
 /// The end of another one, when the first one has gone on alone.

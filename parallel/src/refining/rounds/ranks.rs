@@ -103,7 +103,12 @@ pub fn rounds_on_team(
             if from.is_some() {
                 own.go_on_from(stats_then);
             }
-            member.lead(own, is_stopped, from, checkpoints.keep)
+            let ended = member.lead(own, is_stopped, from, checkpoints.keep);
+            if ended.is_err() {
+                // The others may wait for this one.
+                member.team.fail();
+            }
+            ended?
         }
         _ if is_stopped => Ok(TeamRounds::Elsewhere),
         own => member.follow(&own?, from),
@@ -187,11 +192,8 @@ impl Member<'_, '_> {
     }
 
     /// Work of the first one that the others wait for.
-    fn alone<T: Send>(
-        &mut self,
-        work: impl FnOnce() -> Result<T, RefineError> + Send,
-    ) -> Result<T, RefineError> {
-        self.team.work_alone(self.cancel, work).map_err(of_team)?
+    fn alone<T: Send>(&mut self, work: impl FnOnce() -> T + Send) -> Result<T, RefineError> {
+        self.team.work_alone(self.cancel, work).map_err(of_team)
     }
 
     /// The end of another one, when the first one has gone on alone.
@@ -214,13 +216,17 @@ impl Member<'_, '_> {
     }
 
     /// The first one's: puts together what all leave, and takes over.
+    ///
+    /// # Errors
+    /// An error that the others may not have heard of; within, one of what it does alone in the
+    /// end, when they have left.
     fn lead(
         &mut self,
         mut delegated: Delegated<'_>,
         is_stopped: bool,
         mut from: Again,
         keep: Option<Keep<'_>>,
-    ) -> Result<TeamRounds, RefineError> {
+    ) -> Result<Result<TeamRounds, RefineError>, RefineError> {
         let (mut resumed, mut firsts, mut workers) = (Resumed::default(), Vec::new(), Vec::new());
         let mut ended = Ending::Done;
         let (mut late, mut since) = (Late::Alone, Instant::now());
@@ -234,8 +240,13 @@ impl Member<'_, '_> {
             let (complex, mut start) = match whole {
                 Ok(whole) => whole,
                 // The others do not wait.
-                Err(unfit) if is_stopped => break (delegated.go_on()?, Err(unfit)),
-                Err(unfit) => break (self.alone(|| Ok(delegated.go_on()?))?, Err(unfit)),
+                Err(unfit) if is_stopped => {
+                    break (delegated.go_on().map_err(RefineError::from), Err(unfit));
+                }
+                Err(unfit) => {
+                    let refined = self.alone(|| delegated.go_on().map_err(RefineError::from))?;
+                    break (refined, Err(unfit));
+                }
             };
             if let Some(kept) = from.take() {
                 (start, resumed) = kept;
@@ -243,7 +254,7 @@ impl Member<'_, '_> {
             let rest = self.refine(complex, &start, &mut resumed)?;
             since = Instant::now();
             match self.stay(&rest, &delegated, (&start, &resumed))? {
-                Stays::Part(part) => return Ok(TeamRounds::Part(part)),
+                Stays::Part(part) => return Ok(Ok(TeamRounds::Part(part))),
                 Stays::Not(why) => late = why,
             }
             let Rest { mesh, left, common } = rest;
@@ -258,7 +269,7 @@ impl Member<'_, '_> {
             resumed.figures.ended += u64::from(ending != Ending::Border);
             ended = told_of(ended, ending);
             let figures = resumed.figures;
-            match self.alone(|| go_on(&mut delegated, handed, (ending, figures)))? {
+            match self.alone(|| go_on(&mut delegated, handed, (ending, figures)))?? {
                 Then::One(left) => {
                     self.team.tell_value(Some(None::<(Start, Resumed)>)).map_err(of_team)?;
                     break (self.alone(|| finish(delegated, left))?, Ok(ended));
@@ -277,11 +288,15 @@ impl Member<'_, '_> {
                 }
             }
         };
+        let refined = match refined {
+            Ok(refined) => refined,
+            Err(error) => return Ok(Err(error)),
+        };
         let (owners, figures) = (Owners(firsts), resumed.figures);
         let tets = tets.unwrap_or_else(|| refined.mesh().num_tets() as u64);
         let late = LateSteps { why: late, tets, seconds: since.elapsed().as_secs_f64() };
         let whole = ThreadedRounds { refined, workers, owners, ending, figures };
-        Ok(TeamRounds::Whole(Box::new(whole), late))
+        Ok(Ok(TeamRounds::Whole(Box::new(whole), late)))
     }
 
     /// The others': each keeps its part, or sends it with what it leaves, and goes on where the
