@@ -47,6 +47,11 @@ pub(crate) const FIGURES: &[Figures] = &[
         commands: &["cargo xtask mpi --validate"],
     },
     Figures {
+        name: "beside-threads",
+        places: &[at("docs/distributed.md", "Two processes beside two threads")],
+        commands: &["cargo xtask mpi --speed"],
+    },
+    Figures {
         name: "faults",
         places: &[at("docs/distributed.md", "When something fails")],
         commands: &["cargo xtask mpi --faults 600"],

@@ -64,9 +64,10 @@ fn measured(
     }
     let report = fs::read_to_string(bench.folder.join("speed.json"));
     let report = report.map_err(|error| error.to_string())?;
+    // Seconds come before all other figures.
     let of = |field| match all_of(&report, field)[..] {
-        [seconds] => Ok(seconds),
-        _ => Err(format!("a report without seconds of `{field}`")),
+        [seconds, ..] => Ok(seconds),
+        [] => Err(format!("a report without seconds of `{field}`")),
     };
     Ok([of(figure)?, of("total")?])
 }
