@@ -178,13 +178,13 @@ Lints, builds and tests the C interface: header, examples under valgrind, by pkg
         what: "\
 Builds and runs the program of parallel/mpi by Open MPI and, on fewer numbers of processes, by
 MPICH: the hashes of ltbw, over shared memory and TCP, in time and late, some on 16 processes;
-refusals, faults and checkpoints; what it writes in parts, with --readers read by Gmsh, VTK and
-MFEM. With --validate: two processes with late mails beside the simulator. With --speed: two
-processes beside two threads. With --seeds: N small inputs, of which --seed draws kind, size,
+refusals, faults and checkpoints; what it writes in parts, with --readers read by Gmsh, VTK,
+MFEM and DOLFINx. With --validate: two processes with late mails beside the simulator. With --speed:
+two processes beside two threads. With --seeds: N small inputs, of which --seed draws kind, size,
 processes, network and delay. With --faults: N small jobs, in each of which one process panics, is
 killed or is stopped at a moment that --seed draws; else 12 beside the rest.",
         time: "10 minutes; 100 --seeds 7, 1,000 --faults 90",
-        tools: "mpirun, mpicc of each MPI, clang; pip for --readers",
+        tools: "mpirun, mpicc of each MPI, clang; for --readers pip, python3-dolfinx, python3-gmsh",
         output: "one line for all hashes, one for the faults",
         run: mpi::run,
     },

@@ -115,6 +115,10 @@ impl Input {
     fn is_domain(&self) -> bool {
         self.arguments.first().is_some_and(|command| command == "mesh")
     }
+
+    fn has_exterior(&self) -> bool {
+        self.arguments.iter().any(|word| word == "--keep-exterior")
+    }
 }
 
 /// Jobs with faults beside the others.
@@ -180,8 +184,15 @@ fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
         }
         bench.in_parts(input, &alone, most)?;
         runs += ways.len() + 1;
-        if !input.is_domain() && asked.has_readers {
-            readers::run(&bench, &input.name, &input.arguments, most)?;
+        let is_sound = input.is_domain() && alone.code == Some(0) && !input.has_exterior();
+        match asked.has_readers {
+            true if is_sound && bench.mpi.library.name == "Open MPI" => {
+                readers::by_dolfinx(&bench, &input.name)?;
+            }
+            true if !input.is_domain() => {
+                readers::run(&bench, &input.name, &input.arguments, most)?;
+            }
+            _ => {}
         }
     }
     println!("{} inputs, {runs} runs: one hash each", inputs.len());
@@ -294,8 +305,7 @@ impl Bench {
         let mut job = self.job(count, false);
         job.arg(&self.ranked).arg("--quiet").args(&input.arguments);
         job.args(["--json", "parts.json"]);
-        let has_exterior = input.arguments.iter().any(|word| word == "--keep-exterior");
-        let in_parts: &[&str] = if has_exterior { &WITH_EXTERIOR } else { &IN_PARTS };
+        let in_parts: &[&str] = if input.has_exterior() { &WITH_EXTERIOR } else { &IN_PARTS };
         in_parts.iter().for_each(|name| _ = job.args(["-o", name]));
         job.args(whole_of(input, 1));
         if input.is_domain() {

@@ -12,6 +12,26 @@ const MISSING: i32 = 3;
 /// The longest time of a script.
 const PATIENCE: Duration = Duration::from_secs(600);
 
+/// Lets DOLFINx read the domain's mesh `whole.msh` in the bench's folder, on two processes. Its
+/// package is one for the Python of the system, and for Open MPI.
+pub(crate) fn by_dolfinx(bench: &Bench, name: &str) -> Result<(), String> {
+    let python = std::env::var("LTBW_DOLFINX_PYTHON");
+    let python = python.unwrap_or_else(|_| "/usr/bin/python3".to_owned());
+    let mut job = bench.job(2, false);
+    job.arg(python).arg(root().join("tests/dolfinx_read.py")).arg("whole.msh");
+    let outcome = watched(&mut job, PATIENCE)?;
+    match outcome.stdout.lines().next() {
+        Some(said) if said.contains("is missing") => {
+            require::skip("whole files by DOLFINx", "dolfinx", said)
+        }
+        Some(said) if outcome.code == Some(0) => {
+            println!("{name} by {said}");
+            Ok(())
+        }
+        _ => Err(format!("{name} by DOLFINx: {}{}", outcome.stdout, outcome.stderr)),
+    }
+}
+
 /// Compares the files `parts` in the bench's folder with what one process writes.
 pub(crate) fn run(
     bench: &Bench,
