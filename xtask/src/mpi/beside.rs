@@ -31,7 +31,7 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
         let mut found: [Vec<Seconds>; 2] = [Vec::new(), Vec::new()];
         for k in 0..2 * RUNS {
             // Threads, processes, processes, threads.
-            let way = (k + 1) / 2 % 2;
+            let way = k.div_ceil(2) % 2;
             let more = if way == 0 { threads } else { &[] };
             found[way].push(measured(bench, job, more, figure)?);
         }
