@@ -1,6 +1,6 @@
 //! `--readers`: what processes have written, read by the programs from which solvers take it.
 
-use super::{Bench, watched, words_of};
+use super::{Bench, Outcome, watched, words_of};
 use crate::require;
 use crate::shell::root;
 use std::process::Command;
@@ -20,16 +20,7 @@ pub(crate) fn by_dolfinx(bench: &Bench, name: &str) -> Result<(), String> {
     let mut job = bench.job(2, false);
     job.arg(python).arg(root().join("tests/dolfinx_read.py")).arg("whole.msh");
     let outcome = watched(&mut job, PATIENCE)?;
-    match outcome.stdout.lines().next() {
-        Some(said) if said.contains("is missing") => {
-            require::skip("whole files by DOLFINx", "dolfinx", said)
-        }
-        Some(said) if outcome.code == Some(0) => {
-            println!("{name} by {said}");
-            Ok(())
-        }
-        _ => Err(format!("{name} by DOLFINx: {}{}", outcome.stdout, outcome.stderr)),
-    }
+    judge(&format!("{name} by DOLFINx"), &outcome, "whole files by DOLFINx", "dolfinx")
 }
 
 /// Compares the files `parts` in the bench's folder with what one process writes.
@@ -48,10 +39,15 @@ pub(crate) fn run(
     let mut command = Command::new(python);
     command.arg(root().join("tests/parted.py")).arg(&bench.folder);
     let outcome = watched(command.args(["whole.vtu", "parts", &count.to_string()]), PATIENCE)?;
-    print!("{name} by readers: {}", outcome.stdout);
+    judge(&format!("{name} by readers"), &outcome, "readers of parts", "readback")
+}
+
+/// The verdict of a script on `run`; `what` is skipped where it lacks a package.
+fn judge(run: &str, outcome: &Outcome, what: &str, tool: &str) -> Result<(), String> {
+    print!("{run}: {}", outcome.stdout);
     match outcome.code {
         Some(0) => Ok(()),
-        Some(MISSING) => require::skip("readers of parts", "readback", outcome.stdout.trim()),
-        _ => Err(format!("{name} by readers: {}{}", outcome.stdout, outcome.stderr)),
+        Some(MISSING) => require::skip(what, tool, outcome.stdout.trim()),
+        _ => Err(format!("{run}: {}{}", outcome.stdout, outcome.stderr)),
     }
 }
