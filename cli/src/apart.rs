@@ -10,6 +10,7 @@ use crate::page::Scene;
 use crate::points::{
     ending, finish_unbegun, keep_check, print_mesh, print_thickness, unless_stopped, word_of,
 };
+use crate::processes;
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, Measured, MeshPart, Predicates, Report};
 use crate::slices::{Sliced, read};
@@ -104,6 +105,8 @@ fn mesh_points(others: &dyn Apart, points: Points<'_>, task: &Task<'_>) -> Resul
     report.outcome = word_of(outcome);
     let clock = Instant::now();
     write_parts(others, &part, &points, task, &mut report)?;
+    report.seconds.write = clock.elapsed().as_secs_f64();
+    processes::tell(others, &mut report)?;
     let is_wanted = !task.outputs.whole.is_empty() || task.page.is_some();
     let tags = points.tags.as_deref();
     let whole = match is_wanted {

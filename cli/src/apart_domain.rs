@@ -17,6 +17,7 @@ use crate::outcome::{Exit, Failure};
 use crate::page::Scene;
 use crate::picture::histograms;
 use crate::plc::plc_of;
+use crate::processes;
 use crate::progress::{Progress, Stage};
 use crate::quality_apart;
 use crate::report::{Seconds, measured_json};
@@ -47,8 +48,8 @@ pub(crate) fn mesh(
     let end = {
         let progress = Progress::begin("recover", task.stop.begun());
         let parallel = Parallel::new(others.size()).among_processes();
-        let parallel = parallel.cancel(task.stop.token());
-        let mode = job.crew.map(|crew| crew.mode).unwrap_or_default();
+        let (mode, redeal) = job.crew.map(|crew| (crew.mode, crew.redeal)).unwrap_or_default();
+        let parallel = parallel.redeal(redeal).cancel(task.stop.token());
         let work = Work { parallel: &parallel, token: task.stop.token(), mode };
         let markers = job.boundary.markers();
         let with_exterior = job.keep_exterior && task.outputs.has_meshes();
@@ -162,6 +163,8 @@ fn finish_part(
         None => ((piece, outside), None),
     };
     write_pieces(others, &written, arrays, task, &mut report)?;
+    report.seconds.write = clock.elapsed().as_secs_f64();
+    processes::tell(others, &mut report)?;
     let join = |piece, beside| -> Result<Option<Joined>, Failure> {
         let joined = others.join(piece, beside, whole.vertices)?;
         Ok(joined.map(|own| Joined { mesh: named(own.mesh), ..own }))

@@ -12,7 +12,7 @@ use crate::streams::Streams;
 use crate::surface::Preparation;
 use crate::workers::Mode;
 use clap::{Parser, Subcommand, ValueEnum};
-use ltbw::{points::MAX_POINTS, refine::MOST_SWEEPS};
+use ltbw::{mesh::Redeal, points::MAX_POINTS, refine::MOST_SWEEPS};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -346,6 +346,10 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_enum, default_value_t, hide_short_help = true)]
     #[arg(hide_possible_values = true, hide_default_value = true)]
     pub(crate) mode: Mode,
+    /// When the cuts between the workers' parts move between rounds: never, needed, or after every
+    /// N-th
+    #[arg(long, value_name = "WHEN", default_value = "never", hide_short_help = true)]
+    pub(crate) redeal: Redeal,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,

@@ -88,6 +88,8 @@ mod picture;
 mod pieces;
 mod plc;
 mod points;
+#[cfg(feature = "wire")]
+mod processes;
 mod progress;
 #[cfg(feature = "wire")]
 mod quality_apart;

@@ -19,6 +19,7 @@ use crate::task::{Files, Task};
 use crate::workers::{Crew, Mode, Setting, refine};
 use ltbw::domain::Prepared;
 use ltbw::io;
+use ltbw::mesh::Redeal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -54,7 +55,11 @@ pub(crate) fn mesh_from(
     if workers.is_none() && args.mode == Mode::Async {
         return Err(Failure::Usage("--mode async is for --workers N".to_owned()));
     }
-    let crew = workers.map(|workers| Crew { workers, mode: args.mode });
+    let (mode, redeal) = (args.mode, args.redeal);
+    if redeal != Redeal::Never && (workers.is_none() || mode == Mode::Async) {
+        return Err(Failure::Usage("--redeal is for rounds by workers".to_owned()));
+    }
+    let crew = workers.map(|workers| Crew { workers, mode, redeal });
     // A `.poly` may have its points in a `.node`.
     let mut inputs =
         going_on.map_or_else(|| io::domain_files(&args.domain), |refine| refine.inputs());

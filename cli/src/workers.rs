@@ -4,6 +4,7 @@
 use crate::console::{self, Stop};
 use crate::outcome::{Failure, show};
 use ltbw::domain::Prepared;
+use ltbw::mesh::Redeal;
 use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
 use ltbw::refining::{
     Owners, RefineError, RoundFigures, Splits, ThreadedDomain, ThreadedRounds, domain_on_threads,
@@ -59,6 +60,7 @@ pub(crate) enum Mode {
 pub(crate) struct Crew {
     pub(crate) workers: u32,
     pub(crate) mode: Mode,
+    pub(crate) redeal: Redeal,
 }
 
 /// The domain's name, and what stops a run.
@@ -91,11 +93,11 @@ pub(crate) fn refine(
     setting: Setting<'_>,
 ) -> Result<(Refined, Made), Failure> {
     let whole = (&ready.domain, &ready.lattice);
-    let Some(Crew { workers, mode }) = crew else {
+    let Some(Crew { workers, mode, redeal }) = crew else {
         let failed = |error| Failure::Refine { path: setting.name.to_owned(), error };
         return Ok((refiner.refine(whole.0, whole.1).map_err(failed)?, Made::default()));
     };
-    let parallel = Parallel::new(workers).cancel(setting.stop.token());
+    let parallel = Parallel::new(workers).redeal(redeal).cancel(setting.stop.token());
     let run = match mode {
         Mode::Rounds => rounds_on_threads(refiner, whole, &parallel).map(Made::by_rounds),
         Mode::Async => domain_on_threads(refiner, whole, &parallel).map(Made::freely),

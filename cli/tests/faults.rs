@@ -59,7 +59,8 @@ fn take(dir: &Path, inputs: &[String]) -> Vec<String> {
     others
 }
 
-/// From 20 MB to 2 GB in 50 steps: done, with the file, or a lack of memory, without one.
+/// From 20 MB to 2 GB in 50 steps: done, with the file, or a lack of memory, without one. With more
+/// memory than has been enough some times nothing new can be seen, but at the end.
 #[test]
 fn a_lack_of_memory_has_its_code_and_leaves_nothing() {
     let dir = tempfile::tempdir().unwrap();
@@ -68,6 +69,9 @@ fn a_lack_of_memory_has_its_code_and_leaves_nothing() {
     for args in COMMANDS {
         let mut codes = Vec::new();
         for step in 0..50 {
+            if step < 49 && codes.ends_with(&[0; 4]) {
+                continue;
+            }
             // With less the loader does not find room for the program.
             let kibibytes = (26e3 * 80_f64.powf(f64::from(step) / 49.0)) as u64;
             let run = limited(dir, &format!("ulimit -v {kibibytes}"), args);
@@ -81,7 +85,7 @@ fn a_lack_of_memory_has_its_code_and_leaves_nothing() {
             assert!(run.code == 0 || run.stderr.contains("memory") || has_no_threads(&run), "{at}");
             codes.push(run.code);
         }
-        assert!(codes[0] == 7 && codes[49] == 0, "{args:?}: {codes:?}");
+        assert!(codes[0] == 7 && codes.ends_with(&[0; 5]), "{args:?}: {codes:?}");
     }
 }
 

@@ -353,6 +353,9 @@ fn every_option_of_the_simulator_is_obeyed() {
         &["--as-processes", "--letters"],
         &["--as-processes", "--own-curves"],
         &["--domain", "tee", "--own-curves"],
+        &["--domain", "tee", "--order", "newest"],
+        &["--domain", "tee", "--mode", "async", "--towards", "0.3"],
+        &["--order", "newest"],
         &["--as-processes", "--balance"],
     ] {
         let run = ltbw(dir.path(), &[&["simulate"], wrong].concat());

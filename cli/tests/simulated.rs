@@ -1,8 +1,9 @@
 //! Figures of simulated processors claim no more than was done: nothing about nothing, the whole
 //! beside the kernel, and the paper's figures as the paper has them.
 
-use crate::common::{Run, read_json, run};
+use crate::common::{Run, ltbw, read_json, run};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 fn simulation(dir: &Path, args: &[&str]) -> (Value, Run) {
@@ -131,4 +132,27 @@ fn the_papers_rule_refines_domains() {
     let more = ["--rule", "paper", "--processors", "4", "--start", "50"];
     let run = run(dir.path(), &[&args[..], &more].concat(), 0);
     assert!(run.stdout.contains(", rule paper, "), "{}", run.stdout);
+}
+
+/// The order of bad tetrahedra and the place of their points make other meshes, without rounds.
+#[test]
+fn orders_and_places_are_obeyed() {
+    let dir = tempfile::tempdir().unwrap();
+    let tee = ["simulate", "--domain", "tee", "--max-volume", "2e-3", "--start", "200"];
+    let tee = [&tee[..], &["--mode", "async", "--processors", "3", "--json", "a.json"]].concat();
+    let mut hashes = BTreeSet::new();
+    for (option, name, value) in [
+        (&[][..], "order", Value::from("largest")),
+        (&["--order", "smallest"], "order", "smallest".into()),
+        (&["--order", "oldest"], "order", "oldest".into()),
+        (&["--order", "newest"], "order", "newest".into()),
+        (&["--towards", "0.25"], "towards", 0.25.into()),
+    ] {
+        let run = ltbw(dir.path(), &[&tee[..], option].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let report = read_json(dir.path().join("a.json"));
+        assert_eq!(report["simulation"]["settings"][name], value);
+        hashes.insert(report["mesh"]["hash"].to_string());
+    }
+    assert_eq!(hashes.len(), 5, "{hashes:?}");
 }

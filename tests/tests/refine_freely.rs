@@ -9,7 +9,9 @@
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::Layout;
 use ltbw::protocol::Config;
-use ltbw::refine::{RefineOutcome, RefineStats, Refined, Refiner, usual_tolerance};
+use ltbw::refine::{
+    Order, RefineOutcome, RefineStats, Refined, Refiner, Strategy, usual_tolerance,
+};
 use ltbw::refining::{domain_on_threads, simulate_domain};
 use ltbw::simulate::{Distribution, Network, Options};
 use ltbw::threads::Parallel;
@@ -19,6 +21,7 @@ use ltbw_tests::excuses::{judge_refined, limits};
 use ltbw_tests::parts::generated;
 use ltbw_tests::{cases, seeds};
 use ltbw_verify::ConformityDefect;
+use std::collections::BTreeSet;
 
 /// Cases at random without more being asked for.
 const FEW: u32 = 10;
@@ -150,6 +153,29 @@ fn domains_have_as_many_tetrahedra_without_rounds_as_in_rounds() {
     let most = if all { rows / 20 } else { 0 };
     assert!(outside.len() <= most, "{}", outside.join("\n"));
     assert!(rows > 100 && larger > 10_000, "{rows} rows, {larger} points by workers");
+}
+
+/// Whatever the order of tetrahedra and the place of their points: another mesh, within the bounds.
+#[test]
+fn every_strategy_meets_the_bounds() {
+    let ready = prepared(&generate_domain(DomainKind::Gear, &Shape::default()).expect("a shape"));
+    let whole = (&ready.domain, &ready.lattice);
+    let volume = 4e-4;
+    let refiner = Refiner::new().max_volume(volume);
+    let layout = |points| (Layout::new(points, 3), Config { window: 16, ..Config::new(3) });
+    let mut hashes = BTreeSet::new();
+    for order in Order::ALL {
+        for towards in [0.0, Strategy::MOST] {
+            let refiner = refiner.strategy(Strategy { order, towards }).start(200);
+            let run = simulate_domain(&refiner, whole, &layout, &Options::default());
+            let run = run.unwrap_or_else(|error| panic!("{order}, {towards}: {error}"));
+            check(&format!("{order}, {towards}"), &ready, Some(volume), &run.refined);
+            assert_eq!(run.refined.outcome, RefineOutcome::Met, "{order}, {towards}");
+            println!("| {order} | {towards} | {} |", run.refined.num_tets());
+            hashes.insert(run.refined.mesh().hash().expect("a hash").to_string());
+        }
+    }
+    assert_eq!(hashes.len(), 8);
 }
 
 /// Cases at random for [`no_timing_makes_far_more_points_than_rounds`].

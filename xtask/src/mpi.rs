@@ -168,13 +168,17 @@ fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
         let alone = bench.alone(input, &whole_of(input, 0))?;
         let mut ways: Vec<Way> =
             ranks.iter().map(|&count| Way { count, ..Way::default() }).collect();
-        let mut late = |count, is_tcp| ways.push(Way { count, is_tcp, late: Some(LATE) });
+        let mut late =
+            |count, is_tcp| ways.push(Way { count, is_tcp, late: Some(LATE), ..Way::default() });
         late(2, false);
         late(most, true);
-        ways.push(Way { count: most, is_tcp: true, late: None });
+        ways.push(Way { count: most, is_tcp: true, ..Way::default() });
+        if input.is_domain() {
+            ways.push(Way { count: most, has_moves: true, ..Way::default() });
+        }
         if most < MANY && ON_MANY.contains(&&*input.name) {
-            ways.push(Way { count: MANY, is_tcp: false, late: None });
-            ways.push(Way { count: MANY, is_tcp: true, late: Some(LATE) });
+            ways.push(Way { count: MANY, ..Way::default() });
+            ways.push(Way { count: MANY, is_tcp: true, late: Some(LATE), ..Way::default() });
         }
         let is_large = input.name == PATCHED;
         ways.retain(|way| !is_large || way.count == most && !(way.is_tcp && way.late.is_none()));
@@ -210,14 +214,17 @@ struct Way {
     is_tcp: bool,
     /// The delay of mails, in microseconds.
     late: Option<&'static str>,
+    /// Cuts between parts move every other round.
+    has_moves: bool,
 }
 
 impl std::fmt::Display for Way {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { count, is_tcp, late } = self;
+        let Self { count, is_tcp, late, has_moves } = self;
         let tcp = if *is_tcp { " by TCP" } else { "" };
         let late = late.map(|late| format!(", {late} us late")).unwrap_or_default();
-        write!(f, "on {count}{tcp}{late}")
+        let moves = if *has_moves { ", cuts move" } else { "" };
+        write!(f, "on {count}{tcp}{late}{moves}")
     }
 }
 
@@ -280,6 +287,9 @@ impl Bench {
         let arguments = [input.arguments.clone(), report].concat();
         let mut job = self.job(way.count, way.is_tcp);
         job.arg(&self.ranked).arg("--quiet").args(&arguments);
+        if way.has_moves {
+            job.args(["--redeal", "2"]);
+        }
         way.late.iter().for_each(|late| _ = job.env("LTBW_MPI_LATENCY_US", late));
         _ = fs::remove_file(self.folder.join("ranks.json"));
         let outcome = watched(&mut job, WATCHDOG)?;
@@ -319,6 +329,10 @@ impl Bench {
         let report = fs::read_to_string(self.folder.join("parts.json")).unwrap_or_default();
         if input.name == PATCHED && !report.contains("\"late\": null") {
             return Err(format!("{what}: one process has the whole"));
+        }
+        let is_put_together = report.contains("\"gathered\":");
+        if !is_put_together && !report.contains(&format!("\"count\": {count},")) {
+            return Err(format!("{what}: the report does not tell of {count} processes"));
         }
         // The others are not read by `ltbw`; what is not as asked for has no certificate.
         let is_read = |name: &&&str| alone.code == Some(0) && READ.contains(name);

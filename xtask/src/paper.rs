@@ -2,11 +2,14 @@
 //! `measure_paper` of the tests package; here are the builds, and where the result goes.
 
 use crate::mpi::library::{Found, LIBRARIES};
-use crate::shell::{self, cargo, program, root, target};
+use crate::shell::{self, program, root, target};
 use std::path::{Path, PathBuf};
 
 /// The page that has the tables of the last run with `--write`.
 const PAGE: &str = "docs/paper-tables.md";
+
+/// The package that has the partitioner on processes.
+const PARTITIONER: &str = "it needs PT-Scotch: apt-get install libptscotch-dev";
 
 /// Builds the programs and makes the tables.
 pub(crate) fn run(args: &[String]) -> Result<(), String> {
@@ -14,7 +17,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
         args.iter().partition(|arg| *arg == "--write");
     let folder = target().join("paper");
     let program = program()?;
-    let traditional = traditional();
+    let traditional = traditional(&folder);
     if let Err(reason) = &traditional {
         eprintln!("note: no program for the traditional way: {reason}");
     }
@@ -43,15 +46,15 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     std::fs::write(&path, head + tables.trim_end() + "\n").map_err(|e| format!("{PAGE}: {e}"))
 }
 
-/// The program of `xtask/traditional`, which needs a C compiler for METIS. The crates below it are
-/// those of the workspace, which are built once.
-fn traditional() -> Result<PathBuf, String> {
-    let folder = target();
-    let manifest = root().join("xtask/traditional/Cargo.toml");
-    let mut build = cargo();
-    build.args(["build", "--quiet", "--release", "--locked", "--manifest-path"]).arg(manifest);
-    shell::run(build.arg("--target-dir").arg(&folder))?;
-    Ok(folder.join("release/ltbw-traditional"))
+/// A program that runs that of `xtask/traditional` on as many processes as its first argument says.
+/// It needs a C compiler for METIS, and PT-Scotch, which the system has for Open MPI. The crates
+/// below it are those of the workspace, which are built once.
+fn traditional(folder: &Path) -> Result<PathBuf, String> {
+    let mpi = LIBRARIES[0].find()?;
+    let build = ["build", "--quiet", "--release", "--locked"];
+    let built = shell::run(&mut mpi.cargo("xtask/traditional", &build));
+    built.map_err(|why| format!("{why} ({PARTITIONER})"))?;
+    mpi.script("traditional.sh", &target().join("release/ltbw-traditional"), folder)
 }
 
 /// A program that runs `ltbw-mpi` on as many processes as its first argument says, by the first MPI
@@ -59,15 +62,5 @@ fn traditional() -> Result<PathBuf, String> {
 fn ranks(folder: &Path) -> Result<PathBuf, String> {
     let found = LIBRARIES.iter().map(|library| library.find());
     let mpi: Found = found.reduce(Result::or).unwrap_or_else(|| Err("no MPI".to_owned()))?;
-    let program = mpi.build(false)?;
-    std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
-    let script = folder.join("ranks.sh");
-    let text = format!(
-        "#!/bin/sh\nranks=$1\nshift\nexec {} '{}' \"$@\"\n",
-        mpi.words("\"$ranks\""),
-        program.display()
-    );
-    std::fs::write(&script, text).map_err(|error| format!("{}: {error}", script.display()))?;
-    shell::run(shell::command("chmod").arg("+x").arg(&script))?;
-    Ok(script)
+    mpi.script("ranks.sh", &mpi.build(false)?, folder)
 }

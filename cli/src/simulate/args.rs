@@ -6,6 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use ltbw::mesh::{Ownership, Redeal};
 use ltbw::points::MAX_POINTS;
 use ltbw::protocol::{Closure, Rule};
+use ltbw::refine::{Order, Strategy};
 use ltbw::simulate::{CostModel, Distribution, Network};
 use ltbw_generate::PointKind;
 use std::path::PathBuf;
@@ -61,6 +62,16 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "N", requires = "domain")]
     #[arg(hide_short_help = true)]
     pub(crate) start: Option<usize>,
+    /// The order in which bad tetrahedra are taken with --mode async, by their circumradii or as
+    /// they were found
+    #[arg(long, default_value_t, requires = "domain", value_parser = orders())]
+    #[arg(hide_short_help = true)]
+    pub(crate) order: Order,
+    /// The place of a new point with --mode async: the circumcentre, or this share of the way from
+    /// there to the middle of the shortest edge, at most 0.25
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, requires = "domain")]
+    #[arg(value_parser = towards, hide_short_help = true, allow_negative_numbers = true)]
+    pub(crate) towards: f64,
     /// Determines the points and all that is random in the run
     #[arg(long, default_value_t = 1)]
     #[arg(value_parser = whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
@@ -187,6 +198,18 @@ impl Machine {
 fn ownerships() -> impl TypedValueParser<Value = Ownership> {
     let names = Ownership::ALL.map(Ownership::name);
     PossibleValuesParser::new(names).try_map(|name| name.parse::<Ownership>())
+}
+
+fn orders() -> impl TypedValueParser<Value = Order> {
+    PossibleValuesParser::new(Order::ALL.map(Order::name)).try_map(|name| name.parse::<Order>())
+}
+
+/// A share of the way from a circumcentre to the shortest edge.
+fn towards(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(share) if (0.0..=Strategy::MOST).contains(&share) => Ok(share),
+        _ => Err(format!("a number from 0 to {}", Strategy::MOST)),
+    }
 }
 
 fn kinds() -> impl TypedValueParser<Value = PointKind> {

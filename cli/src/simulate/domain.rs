@@ -14,7 +14,7 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::metrics::Summary;
 use ltbw::protocol::{Closure, Config};
-use ltbw::refine::{RefineOutcome, Refiner};
+use ltbw::refine::{Order, RefineOutcome, Refiner};
 use ltbw::refining::{Ending, SimulatedRounds, simulate_rounds};
 use ltbw::simulate::{Around, Options, Whole};
 use ltbw::{Point, canonical_hash};
@@ -62,6 +62,10 @@ pub(super) fn hash_of(points: &[Point], tets: &[[u32; 4]]) -> Result<String, Fai
 pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     if args.storm.is_some() || args.balance {
         let text = "--storm and --balance move blocks, which rounds do not";
+        return Err(Failure::Usage(text.to_owned()));
+    }
+    if args.order != Order::default() || args.towards != 0.0 {
+        let text = "--order and --towards are for --mode async: rounds are of one mesh";
         return Err(Failure::Usage(text.to_owned()));
     }
     let ready = ready(path)?;

@@ -12,7 +12,7 @@ use crate::progress::Stage;
 use crate::rounds::START;
 use ltbw::TetMesh;
 use ltbw::domain::Prepared;
-use ltbw::refine::{RefineOutcome, Refined};
+use ltbw::refine::{RefineOutcome, Refined, Strategy};
 use ltbw::refining::{START_EACH, SimulatedDomain, simulate_domain};
 use ltbw::simulate::{Around, Options, Whole};
 use ltbw_verify as verify;
@@ -40,7 +40,8 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     let ready = ready(path)?;
     let options = options(args);
     let start = args.start.unwrap_or_else(|| start_of(args.processors, &ready, args.max_volume));
-    let refiner = refiner(args).start(start);
+    let strategy = Strategy { order: args.order, towards: args.towards };
+    let refiner = refiner(args).start(start).strategy(strategy);
     let run = |processors: u32, options: &Options| {
         let planned = |points| planned_run(args, points, processors);
         let _stage = Stage::begin("simulate");

@@ -96,6 +96,8 @@ pub use rules::record::Refusal;
 #[doc(hidden)]
 pub use rules::sliver::{Tries, Try};
 #[doc(hidden)]
+pub use rules::strategy::{Order, Strategy};
+#[doc(hidden)]
 pub use rules::surveyed::{Collected, Surveyed};
 #[doc(hidden)]
 pub use rules::turns::{Contender, Held, next_wave};

@@ -24,6 +24,7 @@ use crate::queue::split::{Refinement, Step};
 use crate::rounds::{Finished, InsertOrder, Resumed, RoundTimes, Rounds};
 use crate::rules::block::Block;
 use crate::rules::record::Refusal;
+use crate::rules::strategy::Strategy;
 use crate::thin::Thin;
 use ltbw_core::CancelToken;
 use ltbw_core::build::{Observer, Phase, Progress};
@@ -74,6 +75,7 @@ pub struct Refiner<'a> {
     order: InsertOrder,
     start: Option<usize>,
     joint_most: usize,
+    strategy: Strategy,
     one_thread: bool,
     smooth: u32,
     count_angles: bool,
@@ -110,6 +112,7 @@ impl Default for Refiner<'_> {
             order: InsertOrder::default(),
             start: None,
             joint_most: usize::MAX,
+            strategy: Strategy::default(),
             one_thread: false,
             smooth: 0,
             count_angles: false,
@@ -265,6 +268,14 @@ impl<'a> Refiner<'a> {
     #[doc(hidden)]
     pub fn joint_most(mut self, count: usize) -> Self {
         self.joint_most = count;
+        self
+    }
+
+    /// Sets the parameters of runs without rounds: another mesh comes of others.
+    #[doc(hidden)]
+    pub fn strategy(mut self, strategy: Strategy) -> Self {
+        let towards = strategy.towards.clamp(0.0, Strategy::MOST);
+        self.strategy = Strategy { towards, ..strategy };
         self
     }
 

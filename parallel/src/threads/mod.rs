@@ -26,7 +26,7 @@ use crate::balance::{Balance, Workload};
 use crate::mailbox::connect;
 #[doc(inline)]
 pub use crate::mesh::{Layout, Ownership};
-use crate::mesh::{LocalMesh, PointQueue, Prepared, SharedInput, Wanted};
+use crate::mesh::{LocalMesh, PointQueue, Prepared, Redeal, SharedInput, Wanted};
 use crate::metrics::{Collector, SubmeshSize, Summary, Trace};
 use crate::payload::Payload;
 #[doc(inline)]
@@ -158,6 +158,7 @@ pub struct Parallel<'a> {
     /// memcheck takes that for a use of what was never written.
     balance: Balance,
     is_balanced: bool,
+    redeal: Redeal,
     spans: Option<usize>,
     cancel: Option<&'a CancelToken>,
     listener: Listener<'a>,
@@ -187,6 +188,7 @@ impl<'a> Parallel<'a> {
             layout: None,
             balance: Balance::default(),
             is_balanced: false,
+            redeal: Redeal::Never,
             spans: None,
             cancel: None,
             listener: Listener::default(),
@@ -235,6 +237,13 @@ impl<'a> Parallel<'a> {
     /// are even at the start, and what moves has to be found out about by all.
     pub fn balance(mut self, balance: Balance) -> Self {
         (self.balance, self.is_balanced) = (balance, true);
+        self
+    }
+
+    /// Sets when the cuts between the workers' parts of a domain move between rounds; a layout that
+    /// is set has its own. The mesh is the same.
+    pub fn redeal(mut self, redeal: Redeal) -> Self {
+        self.redeal = redeal;
         self
     }
 
@@ -400,7 +409,8 @@ impl<'a> Parallel<'a> {
             true => Ownership::Block,
             false => Ownership::Newest,
         };
-        Layout { ownership, ..Layout::new(points, self.workers) }
+        let redeal = self.redeal;
+        Layout { ownership, redeal, ..Layout::new(points, self.workers) }
     }
 
     fn hooks<'w>(&self, id: WorkerId, start: Instant) -> ThreadHooks<'w>

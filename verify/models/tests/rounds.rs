@@ -30,6 +30,32 @@ struct Case {
     expected: MeshHash,
     /// Points that rounds inserted.
     points: u64,
+    patience: Patience,
+}
+
+/// The most events, and the longest time without a point: rounds without one are many where much is
+/// refused, and each takes some latencies.
+#[derive(Clone, Copy)]
+struct Patience {
+    events: u64,
+    nanos: u64,
+    latencies: u64,
+}
+
+/// Where nothing is refused.
+const SHORT: Patience = Patience { events: 1_000_000, nanos: 4_000_000, latencies: 500 };
+const LONG: Patience = Patience { events: 4_000_000, nanos: 20_000_000, latencies: 4_000 };
+
+impl Case {
+    fn new(
+        engine: &Refined,
+        ready: Prepared,
+        refiner: Refiner<'static>,
+        patience: Patience,
+    ) -> Self {
+        let (expected, points) = (hash(engine), engine.stats.round_points);
+        Self { ready, refiner, expected, points, patience }
+    }
 }
 
 fn hash(refined: &Refined) -> MeshHash {
@@ -44,7 +70,7 @@ fn case_of(kind: DomainKind, refiner: Refiner<'static>) -> Case {
     let domain = generate_domain(kind, &Shape::default()).expect("a shape");
     let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+    Case::new(&engine, ready, refiner, SHORT)
 }
 
 /// A torus with patches.
@@ -54,7 +80,7 @@ fn patched_case() -> Case {
     let ready = domain.prepare(&options).expect("a sound domain");
     let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(3e-4).start(64);
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+    Case::new(&engine, ready, refiner, LONG)
 }
 
 /// A domain with a small angle, where much is refused.
@@ -64,7 +90,7 @@ fn angled_case(kind: DomainKind, angle: f64, volume: f64) -> Case {
     let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
     let refiner = Refiner::new().max_volume(volume).start(64);
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+    Case::new(&engine, ready, refiner, LONG)
 }
 
 const KINDS: [(DomainKind, f64); 4] = [
@@ -81,8 +107,8 @@ fn cases() -> Vec<Case> {
 /// The end of a run: the engine's mesh, or something that shows that it is not sound.
 fn run<C: Rules>(case: &Case, (processors, latency): (u32, u64)) -> Result<(), String> {
     let network = Network { latency, ..Network::default() };
-    // Rounds without a point are many where much is refused, and each takes some latencies.
-    let (max_events, patience) = (4_000_000, 20_000_000 + 4_000 * latency);
+    let Patience { events: max_events, nanos, latencies } = case.patience;
+    let patience = nanos + latencies * latency;
     let options = Options { network, max_events, patience, ..Options::default() };
     let layout = |points| (Layout::new(points, processors), Config::new(processors));
     let whole = (&case.ready.domain, &case.ready.lattice);
@@ -99,6 +125,9 @@ fn run<C: Rules>(case: &Case, (processors, latency): (u32, u64)) -> Result<(), S
     }
 }
 
+/// Runs in which a defect is caught: more of them show nothing new.
+const ENOUGH: usize = 3;
+
 /// A defect is caught in some run, and the correct protocol in none.
 fn caught(defect: Defect, all: &[Case]) {
     caught_in(&RUNS, defect, all);
@@ -109,6 +138,9 @@ fn caught_in(with: &[(u32, u64)], defect: Defect, all: &[Case]) {
     let (mut runs, mut outcomes) = (0, Vec::new());
     for case in all {
         for &of in with {
+            if outcomes.len() == ENOUGH {
+                break;
+            }
             runs += 1;
             // The engine that takes over may find a promise broken.
             let planted = || defect.planted(|| run::<KnownBad>(case, of));
@@ -209,7 +241,7 @@ fn ramp_case() -> Case {
     let ready = domain.prepare(&options).expect("a sound domain");
     let refiner = Refiner::new().flat_tolerance(0.0).max_volume(3e-4).start(64);
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+    Case::new(&engine, ready, refiner, LONG)
 }
 
 /// A star with patches, of which some subfaces come to bar many tetrahedra.
@@ -219,7 +251,7 @@ fn star_case(arms: u32) -> Case {
     let ready = domain.prepare(&options).expect("a sound domain");
     let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(3e-4).start(64);
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+    Case::new(&engine, ready, refiner, LONG)
 }
 
 #[test]
@@ -255,7 +287,7 @@ fn plates_case(base: [f64; 2], layers: &[u32], regions: bool) -> Case {
     let refiner = Refiner::new().max_volume(volume / 5000.0).start(0);
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
     assert!(engine.stats.joint_phases > 0, "no circles");
-    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+    Case::new(&engine, ready, refiner, LONG)
 }
 
 #[test]
@@ -281,7 +313,7 @@ fn boxed_case(seed: u64, parts: f64) -> Case {
     let refiner = Refiner::new().max_volume(volume / parts).min_dihedral(0.0);
     let refiner = refiner.flat_tolerance(1e-6).start(0);
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
+    Case::new(&engine, ready, refiner, LONG)
 }
 
 #[test]

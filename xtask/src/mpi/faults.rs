@@ -11,6 +11,8 @@ use std::time::{Duration, Instant};
 
 /// The longest time from a fault to the end of its job.
 pub(super) const PATIENCE: Duration = Duration::from_secs(20);
+/// The longest time from the loss of a process to the end of its job.
+const LOSS: Duration = Duration::from_secs(5);
 /// The longest time in which processes begin.
 const BEGIN: Duration = Duration::from_secs(60);
 /// The delay of mails that makes a run long: in microseconds.
@@ -46,7 +48,7 @@ pub(crate) fn run(bench: &Bench) -> Result<u32, String> {
         expect(&format!("{arguments:?}"), &outcome, code, word)?;
         count += 1;
     }
-    count += different(bench)?;
+    count += different(bench)? + full_disk(bench)?;
     for rank in 0..3 {
         let mut job = bench.job(3, false);
         let number = rank.to_string();
@@ -132,6 +134,26 @@ fn different(bench: &Bench) -> Result<u32, String> {
     Ok(6)
 }
 
+/// A disk that is full at one process: no file gets its name.
+fn full_disk(bench: &Bench) -> Result<u32, String> {
+    bench.generate(&["uniform", "200000", "-o", "uniform-200000.npy"])?;
+    for rank in 0..2 {
+        // Blocks of 512 bytes: room for what an MPI writes itself, and not for a part.
+        let script = &format!("[ {RANK} != {rank} ] || ulimit -f 10000; exec \"$0\" \"$@\"");
+        let mut job = bench.job(2, false);
+        job.args(["sh", "-c", script]).arg(&bench.ranked);
+        job.args(["delaunay", "uniform-200000.npy", "-o", "full.pvtu", "-o", "full.vtkhdf"]);
+        let what = format!("a full disk at rank {rank}");
+        expect(&what, &watched(&mut job, PATIENCE)?, 6, "File too large")?;
+        let entries = fs::read_dir(&bench.folder).map_err(|error| error.to_string())?;
+        let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+        if let Some(left) = names.into_iter().find(|name| name.contains("full")) {
+            return Err(format!("{what}: {left} is left"));
+        }
+    }
+    Ok(2)
+}
+
 /// Writes a program that can be run.
 fn write_program(path: &Path, bytes: &[u8]) -> Result<(), String> {
     fs::write(path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -191,7 +213,7 @@ fn signalled(
     // The start takes a fraction of a second, the insertion with late mails many.
     std::thread::sleep(Duration::from_secs(seconds));
     shell::run(Command::new("kill").args([&format!("-{signal}"), &pid.to_string()]))?;
-    end(child, PATIENCE)
+    end(child, if signal == "KILL" { LOSS } else { PATIENCE })
 }
 
 /// Makes sure that a run has ended with this code, and has said this.

@@ -3,7 +3,7 @@
 
 use crate::shell::{self, cargo, command, root, target};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// An MPI.
@@ -96,17 +96,7 @@ impl Found {
         if let Some(program) = std::env::var_os(given) {
             return Ok(program.into());
         }
-        let manifest = root().join("parallel/mpi/Cargo.toml");
-        let in_package = |arguments: &[&str]| {
-            let mut cargo = cargo();
-            cargo.args(arguments).arg("--manifest-path").arg(&manifest);
-            // The crates below are those of the workspace, which are built once.
-            cargo
-                .env("CARGO_TARGET_DIR", target())
-                .env("MPICC", self.compiler)
-                .env_remove("MPI_PKG_CONFIG");
-            cargo
-        };
+        let in_package = |arguments: &[&str]| self.cargo("parallel/mpi", arguments);
         if runs_tests {
             shell::run(in_package(&["fmt"]).arg("--check"))?;
             shell::run(in_package(&["test", "--quiet", "--release", "--locked"]).args(*apart))?;
@@ -117,6 +107,36 @@ impl Found {
         let copied = fs::copy(&built, &kept);
         copied.map_err(|error| format!("{}: {error}", kept.display()))?;
         Ok(kept)
+    }
+
+    /// A command of cargo in a package of its own that is built against this MPI.
+    pub(crate) fn cargo(self, package: &str, arguments: &[&str]) -> Command {
+        let mut cargo = cargo();
+        cargo.args(arguments).arg("--manifest-path").arg(root().join(package).join("Cargo.toml"));
+        // The crates below are those of the workspace, which are built once.
+        cargo
+            .env("CARGO_TARGET_DIR", target())
+            .env("MPICC", self.compiler)
+            .env_remove("MPI_PKG_CONFIG");
+        cargo
+    }
+
+    /// A script in `folder` that runs a program on as many processes as its first argument says.
+    pub(crate) fn script(
+        self,
+        name: &str,
+        program: &Path,
+        folder: &Path,
+    ) -> Result<PathBuf, String> {
+        let path = folder.join(name);
+        let wrong = |error: std::io::Error| format!("{}: {error}", path.display());
+        fs::create_dir_all(folder).map_err(wrong)?;
+        let words = self.words("\"$ranks\"");
+        let program = program.display();
+        let text = format!("#!/bin/sh\nranks=$1\nshift\nexec {words} '{program}' \"$@\"\n");
+        fs::write(&path, text).map_err(wrong)?;
+        shell::run(command("chmod").arg("+x").arg(&path))?;
+        Ok(path)
     }
 
     /// A job of this many processes, whose program is still to be named.
@@ -130,7 +150,7 @@ impl Found {
     }
 
     /// The words of a shell before the program's name, for as many processes as `count` says.
-    pub(crate) fn words(self, count: &str) -> String {
+    fn words(self, count: &str) -> String {
         let own = self.job(1, false);
         let set = own.get_envs().filter_map(|(name, value)| Some((name, value?)));
         let set = set.map(|(name, value)| format!("{}={}", name.display(), value.display()));

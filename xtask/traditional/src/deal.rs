@@ -1,22 +1,32 @@
-//! Parts on their way: the reader packs each as bytes and sends it to a thread of its own, which
-//! unpacks it, numbers its vertices, and keeps the numbers that they have in the whole.
+//! Parts on their way: the first process packs each as bytes and sends it to the process of its
+//! number, round by round; that unpacks it, numbers its vertices, and keeps the numbers that they
+//! have in the whole.
 
 use crate::Failure;
-use crate::step::{Step, of_thread};
 use ltbw::TetMesh;
 use metis::Idx;
+use mpi::collective::SystemOperation;
+use mpi::point_to_point::{Destination, Source};
+use mpi::topology::{Communicator, SimpleCommunicator};
+use mpi::traits::Root;
 use rustc_hash::FxHashMap;
-use std::sync::mpsc::{Receiver, channel};
-use std::time::Instant;
 
-/// The parts that were sent.
+/// A mesh with the part of each of its tetrahedra.
+pub(crate) struct Whole<'a> {
+    pub(crate) mesh: &'a TetMesh,
+    pub(crate) part: &'a [Idx],
+}
+
+/// The parts that were sent; sums are the first process's.
+#[derive(Default)]
 pub(crate) struct Dealt {
     pub(crate) bytes: usize,
     /// Vertices of all parts: those between parts count for each.
     pub(crate) copies: usize,
+    pub(crate) tets: usize,
 }
 
-/// A part as its thread keeps it.
+/// A part as its process keeps it.
 struct Part {
     points: Vec<[f64; 3]>,
     /// The numbers of its vertices in the whole mesh.
@@ -24,37 +34,60 @@ struct Part {
     tets: Vec<[u32; 4]>,
 }
 
-/// Sends all parts of a mesh. The processor's time is that of the sender and of all receivers.
-pub(crate) fn deal(mesh: &TetMesh, part: &[Idx], parts: usize) -> Result<(Step, Dealt), Failure> {
-    let (clock, own) = (Instant::now(), of_thread()?);
+/// Sends all parts of a mesh, which the first process has; ends when all have theirs. Every
+/// process of the job has to call this.
+pub(crate) fn deal(
+    world: &SimpleCommunicator,
+    whole: Option<&Whole>,
+    parts: usize,
+) -> Result<Dealt, Failure> {
+    let (rank, size) = (usize::try_from(world.rank())?, usize::try_from(world.size())?);
+    let mut own = Dealt::default();
+    let mut keep = |letter: &[u8]| -> Result<Part, Failure> {
+        let part = taken(letter)?;
+        own.bytes += letter.len();
+        own.copies += part.global.len();
+        own.tets += part.tets.len();
+        Ok(part)
+    };
+    let mut kept = Vec::new();
+    match whole {
+        Some(whole) => {
+            for (k, list) in lists(whole, parts).iter().enumerate() {
+                let letter = packed(whole.mesh, list);
+                match k % size {
+                    0 => kept.push(keep(&letter)?),
+                    to => world.process_at_rank(i32::try_from(to)?).send(&letter[..]),
+                }
+            }
+        }
+        None => {
+            for _ in (rank..parts).step_by(size) {
+                let (letter, _) = world.process_at_rank(0).receive_vec::<u8>();
+                kept.push(keep(&letter)?);
+            }
+        }
+    }
+    std::hint::black_box(kept.iter().map(|part| part.points.len()).sum::<usize>());
+    let here = [own.bytes as u64, own.copies as u64, own.tets as u64];
+    let mut sums = [0u64; 3];
+    let root = world.process_at_rank(0);
+    if rank == 0 {
+        root.reduce_into_root(&here[..], &mut sums[..], SystemOperation::sum());
+    } else {
+        root.reduce_into(&here[..], SystemOperation::sum());
+    }
+    let [bytes, copies, tets] = sums.map(|sum| sum as usize);
+    Ok(Dealt { bytes, copies, tets })
+}
+
+/// The tetrahedra of each part.
+fn lists(whole: &Whole, parts: usize) -> Vec<Vec<usize>> {
     let mut lists: Vec<Vec<usize>> = vec![Vec::new(); parts];
-    for (t, &part) in part.iter().enumerate() {
+    for (t, &part) in whole.part.iter().enumerate() {
         lists[part as usize].push(t);
     }
-    let (mut bytes, mut ways, mut threads) = (0, Vec::new(), Vec::new());
-    for _ in 0..parts {
-        let (send, receive) = channel::<Vec<u8>>();
-        ways.push(send);
-        threads.push(std::thread::spawn(move || take(&receive).map_err(|e| e.to_string())));
-    }
-    for (list, way) in lists.iter().zip(ways) {
-        let letter = packed(mesh, list);
-        bytes += letter.len();
-        way.send(letter)?;
-    }
-    let (mut copies, mut all, mut others) = (0, 0, 0.0);
-    for thread in threads {
-        let (part, seconds) = thread.join().map_err(|_| "a thread has panicked")??;
-        copies += part.global.len();
-        all += part.tets.len();
-        others += seconds;
-        std::hint::black_box(part.points);
-    }
-    if all != mesh.tets.len() {
-        return Err("tetrahedra were lost on their way".into());
-    }
-    let processor = of_thread()? - own + others;
-    Ok((Step { clock: clock.elapsed().as_secs_f64(), processor }, Dealt { bytes, copies }))
+    lists
 }
 
 /// A letter with a part: for each tetrahedron the numbers of its corners and where they are, each
@@ -79,10 +112,8 @@ fn packed(mesh: &TetMesh, list: &[usize]) -> Vec<u8> {
     letter
 }
 
-/// A part as it arrives, and the seconds that this thread has taken for it.
-fn take(way: &Receiver<Vec<u8>>) -> Result<(Part, f64), Failure> {
-    let letter = way.recv()?;
-    let begin = of_thread()?;
+/// The part of a letter.
+fn taken(letter: &[u8]) -> Result<Part, Failure> {
     let (count, rest) = letter.split_first_chunk::<8>().ok_or("an empty letter")?;
     let count = usize::try_from(u64::from_le_bytes(*count))?;
     let (vertices, corners) = rest.split_at_checked(28 * count).ok_or("a short letter")?;
@@ -107,5 +138,5 @@ fn take(way: &Receiver<Vec<u8>>) -> Result<(Part, f64), Failure> {
         }
         part.tets.push(tet);
     }
-    Ok((part, of_thread()? - begin))
+    Ok(part)
 }

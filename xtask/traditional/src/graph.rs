@@ -1,4 +1,4 @@
-//! The graph of tetrahedra that share faces, and its partition by METIS.
+//! The graph of tetrahedra that share faces, its partition by METIS, and the figures of any.
 
 use crate::Failure;
 use metis::{Graph, Idx};
@@ -51,9 +51,24 @@ pub(crate) fn dual(tets: &[[u32; 4]]) -> Result<Dual, Failure> {
 }
 
 impl Dual {
+    /// Tetrahedra.
+    pub(crate) fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The places in [`Dual::others`] where the neighbours of each tetrahedron begin, and the end.
+    pub(crate) fn starts(&self) -> &[Idx] {
+        &self.starts
+    }
+
+    /// The neighbours of all tetrahedra.
+    pub(crate) fn others(&self) -> &[Idx] {
+        &self.others
+    }
+
     /// The part of each tetrahedron, by METIS's k-way partitioning as it comes.
-    pub(crate) fn part(&self, parts: usize) -> Result<Vec<Idx>, Failure> {
-        let mut part: Vec<Idx> = vec![0; self.starts.len() - 1];
+    pub(crate) fn metis(&self, parts: usize) -> Result<Vec<Idx>, Failure> {
+        let mut part: Vec<Idx> = vec![0; self.len()];
         Graph::new(1, Idx::try_from(parts)?, &self.starts, &self.others)?.part_kway(&mut part)?;
         Ok(part)
     }

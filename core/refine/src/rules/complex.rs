@@ -16,6 +16,7 @@ use crate::outcome::Reason;
 use crate::rules::aim::{Aim, Aims};
 use crate::rules::choice::{BoundaryItem, Corner};
 use crate::rules::group::Group;
+use crate::rules::strategy::{Order, Strategy};
 use ltbw_core::Random;
 use ltbw_core::mesh::Mesh;
 use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
@@ -75,6 +76,7 @@ pub struct Complex<'a> {
     pub(crate) floor: f64,
     /// The most transactions of a joint step, if they are fewer than usual.
     pub(crate) joint_most: usize,
+    pub(crate) strategy: Strategy,
     names: Names,
     has_patches: bool,
 }
@@ -187,7 +189,8 @@ impl<'a> Complex<'a> {
     pub(crate) fn of(state: &State, bounds: Bounds<'a>, floor: f64, joint_most: usize) -> Self {
         let (plc, angles) = (Arc::clone(&state.plc), Arc::clone(&state.angles));
         let (has_patches, names) = (plc.has_patches(), Names::of(state));
-        Self { plc, angles, bounds, floor, joint_most, names, has_patches }
+        let strategy = Strategy::default();
+        Self { plc, angles, bounds, floor, joint_most, strategy, names, has_patches }
     }
 
     /// The state of a part of the mesh with this boundary, of which nothing is entered.
@@ -360,6 +363,11 @@ impl<'a> Complex<'a> {
         Aims { plc: &self.plc, floor: self.floor }
     }
 
+    /// The order in which tetrahedra are taken where there are no rounds.
+    pub fn order(&self) -> Order {
+        self.strategy.order
+    }
+
     /// The circumradius of a tetrahedron, rounded.
     pub fn radius(&self, corners: [&Point; 4]) -> f64 {
         Shape::of(corners).radius()
@@ -370,7 +378,8 @@ impl<'a> Complex<'a> {
     /// the way can be found, and no point may be inserted.
     pub fn point_of_tet(&self, corners: [&Point; 4], attempt: usize) -> Option<(Point, bool)> {
         let shape = Shape::of(corners);
-        let aim = self.aims().tet(shape.radius(), shape.circumcentre(corners[3]), attempt);
+        let place = self.strategy.place(&shape, corners);
+        let aim = self.aims().tet(shape.radius(), place, attempt);
         let Aim::At { point, may, .. } = aim else { return None };
         if may {
             return Some((point, true));

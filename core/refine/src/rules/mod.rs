@@ -4,6 +4,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `aim`, `aims` | the point that is proposed |
+//! | `strategy` | where it is placed without rounds, and for whom first |
 //! | `way`, `walk` | the way to it |
 //! | `bounded`, `look` | a closure, whoever has it; the boundary in its cavity |
 //! | `verdict`, `plan` | what follows for the point, and for the facets that it lies on |
@@ -33,6 +34,7 @@ pub(crate) mod record;
 pub(crate) mod related;
 pub(crate) mod sliver;
 pub(crate) mod star;
+pub(crate) mod strategy;
 pub(crate) mod surveyed;
 pub(crate) mod turns;
 pub(crate) mod verdict;

@@ -11,7 +11,9 @@ impl<'a> Run<'a> {
     /// [`ComplexError`] if some of the boundary is missing.
     pub(super) fn complex(&self) -> Result<Complex<'a>, ComplexError> {
         let own = &self.refinement;
-        Ok(Complex::of(&own.state, self.fit()?.clone(), own.floor, own.joint_most))
+        let mut complex = Complex::of(&own.state, self.fit()?.clone(), own.floor, own.joint_most);
+        complex.strategy = self.refiner.strategy;
+        Ok(complex)
     }
 
     /// The bounds of a run that others can go on with.

@@ -38,8 +38,8 @@ struct Entry {
     class: u8,
     /// Times that it was set behind others.
     tries: Reverse<u16>,
-    /// The bits of its circumradius, which order positive numbers; the largest goes first.
-    radius: u64,
+    /// Its place in the order: the largest goes first.
+    urgency: u64,
     tet: TetId,
     corners: [VertexId; 4],
     key: ItemKey,
@@ -128,6 +128,8 @@ pub struct BadItems {
     /// The boundary items of this list, those under way included.
     pending: FxHashSet<ItemKey>,
     under_way: FxHashMap<VertexName, Entry>,
+    /// Bad tetrahedra found so far.
+    found: u64,
     /// Points made so far: a name is given once, whatever becomes of its point.
     made: u32,
     /// The most points.
@@ -149,6 +151,7 @@ impl BadItems {
             out: VecDeque::new(),
             pending: FxHashSet::default(),
             under_way: FxHashMap::default(),
+            found: 0,
             made: 0,
             most,
             is_closed: false,
@@ -273,7 +276,7 @@ impl BadItems {
         self.waiting.push(Entry {
             class: if key[0] == 0 { 2 } else { 1 },
             tries: Reverse(0),
-            radius: 0,
+            urgency: 0,
             tet,
             corners: tets.vertices(tet),
             key,
@@ -378,10 +381,12 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
             let is_over = mesh.complex.is_over(points.each_ref(), mesh.region(tet));
             let is_flat = || mesh.complex.is_flat(|k| mesh.carrier(corners[k]));
             if is_over && !is_flat() && !is_beyond_help(mesh, tet) {
+                self.found += 1;
+                let radius = mesh.complex.radius(points.each_ref());
                 self.waiting.push(Entry {
                     class: 0,
                     tries: Reverse(0),
-                    radius: mesh.complex.radius(points.each_ref()).to_bits(),
+                    urgency: mesh.complex.order().urgency(radius, self.found),
                     tet,
                     corners,
                     key: TET,

@@ -4,15 +4,19 @@ use crate::Failure;
 use crate::estimate::Work;
 use crate::programs::{Plan, Programs, number};
 use crate::table::{Block, Table, cells};
+use crate::traditional::{PARTITIONERS, PARTS};
 
 /// The paper's 16 SP nodes, as near as its figures tell: processors as of its workstations on a
 /// switch of 150 MB/s.
 pub(crate) const SP: [&str; 6] = ["--machine", "cow", "--bandwidth", "1.2", "--latency", "40us"];
 
+/// Processes of the traditional way.
+const RANKS: u32 = 2;
+
 /// The work of this table.
 pub(crate) fn work(plan: &Plan) -> Work {
     plan.model.iter().map(|own| own.millions()).fold(Work::default(), |sum, millions| {
-        let metis = Work { traditional: millions, ..Work::default() };
+        let metis = Work { traditional: millions, meshed: millions, ..Work::default() };
         sum + metis + Work::simulated(2, millions)
     })
 }
@@ -23,10 +27,19 @@ pub(crate) fn partitions(programs: &Programs) -> Result<Vec<Block>, Failure> {
         vec![name, format!("{surface:.3}"), format!("{imbalance:.0}"), format!("{tets:.0}")]
     };
     for &problem in programs.plan.model {
-        if let Some(report) = programs.traditional(problem, 16)? {
-            let of = |name| number(&report, &[name]);
-            let name = format!("run, {}: METIS", problem.size);
-            rows.push(row(name, of("surface_to_volume")?, of("imbalance_tets")?, of("tets")?));
+        if let Some(report) = programs.traditional(problem, RANKS, PARTS)? {
+            for by in PARTITIONERS {
+                let of = |name| number(&report, &[by, name]);
+                let name = format!("run on ranks, {}: {by}", problem.size);
+                let tets = number(&report, &["tets"])?;
+                rows.push(row(name, of("surface_to_volume")?, of("imbalance_tets")?, tets));
+            }
+        }
+        if let Some(report) = programs.parted_anew(problem, PARTS)? {
+            let of = |name| number(&report, &["METIS", name]);
+            let name = format!("run, {}: METIS on the mesh of workers with blocks", problem.size);
+            let tets = number(&report, &["tets"])?;
+            rows.push(row(name, of("surface_to_volume")?, of("imbalance_tets")?, tets));
         }
         for (ownership, what) in [
             ("creator", "who creates a tetrahedron owns it (LTBW)"),
@@ -55,8 +68,8 @@ pub(crate) fn partitions(programs: &Programs) -> Result<Vec<Block>, Failure> {
         rows,
         below: "Surface to volume: faces with another part per tetrahedron. SMGP's method is in \
                 another paper; blocks of a space-filling curve have its purpose, not its rule. \
-                ParMetis is not free: METIS, which is sequential, stands for it, and the mesh that \
-                it parts is that of rounds."
+                ParMetis is not free: METIS, which is sequential, and PT-Scotch, on two processes, \
+                stand for it; the mesh that they part is that of rounds, or as said."
             .into(),
     })])
 }

@@ -118,13 +118,19 @@ impl Programs {
     }
 
     /// The report of `ltbw-mpi mesh` on a domain; `None` where there is no MPI, which is said.
-    pub(crate) fn on_ranks(&self, problem: Problem, ranks: u32) -> Result<Option<Value>, Failure> {
+    pub(crate) fn on_ranks(
+        &self,
+        problem: Problem,
+        ranks: u32,
+        options: &[&str],
+    ) -> Result<Option<Value>, Failure> {
         let Some(program) = &self.ranks else {
             skip("meshing on ranks", "mpi", "its program was not built")?;
             return Ok(None);
         };
         let (file, ranks) = (self.generated(problem)?, ranks.to_string());
-        let words = ["mesh", &file, "--max-volume", problem.volume, "--quiet", "--json", "-"];
+        let mesh = ["mesh", &file, "--max-volume", problem.volume, "--quiet", "--json", "-"];
+        let words = [&mesh[..], options].concat();
         eprintln!("{ranks} ranks: ltbw-mpi {}", words.join(" "));
         let text = said(Command::new(program).arg(&ranks).args(words))?;
         Ok(Some(serde_json::from_str(&text)?))
@@ -139,20 +145,41 @@ impl Programs {
         Ok(file)
     }
 
-    /// The report of the traditional way, with that many parts; `None` where there is no program
-    /// for it, which is said.
+    /// The report of the traditional way on some ranks, with that many parts; `None` where there
+    /// is no program for it, which is said.
     pub(crate) fn traditional(
+        &self,
+        problem: Problem,
+        ranks: u32,
+        parts: u32,
+    ) -> Result<Option<Value>, Failure> {
+        let folder = self.folder.to_str().ok_or("a folder whose name is no text")?;
+        self.by_tradition(ranks, &[problem.kind, problem.volume, &parts.to_string(), folder])
+    }
+
+    /// METIS's parts of a mesh that workers have made without rounds, each by its blocks.
+    pub(crate) fn parted_anew(
         &self,
         problem: Problem,
         parts: u32,
     ) -> Result<Option<Value>, Failure> {
+        let file = self.folder.join(format!("{}.vtu", problem.kind));
+        let file = file.to_str().ok_or("a folder whose name is no text")?;
+        let parts = parts.to_string();
+        self.meshed(problem, &["--mode", "async", "--workers", &parts, "-o", file])?;
+        let report = self.by_tradition(1, &["--mesh", file, &parts]);
+        std::fs::remove_file(file)?;
+        report
+    }
+
+    fn by_tradition(&self, ranks: u32, words: &[&str]) -> Result<Option<Value>, Failure> {
         let Some(program) = &self.traditional else {
-            skip("the traditional way", "metis", "its program was not built")?;
+            skip("the traditional way", "traditional", "its program was not built")?;
             return Ok(None);
         };
-        let mut command = Command::new(program);
-        command.args([problem.kind, problem.volume, &parts.to_string()]).arg(&self.folder);
-        let text = said(&mut command)?;
+        let ranks = ranks.to_string();
+        eprintln!("{ranks} ranks: ltbw-traditional {}", words.join(" "));
+        let text = said(Command::new(program).arg(&ranks).args(words))?;
         Ok(Some(serde_json::from_str(text.lines().last().unwrap_or_default())?))
     }
 

@@ -6,11 +6,12 @@ use crate::chart::{Series, lines, stacked};
 use crate::estimate::Work;
 use crate::machine::SP;
 use crate::programs::{Plan, Problem, Programs, number, workers};
-use crate::table::{Block, Picture, Table, cells, of_nanos, percent};
+use crate::table::{Block, Picture, Table, cells, of_nanos, percent, seconds};
 use serde_json::Value;
 
-/// The processors of Figure 5.
-const PROCESSORS: [u32; 4] = [2, 4, 8, 16];
+/// The processors of Figure 5, and those of them that are run, as ranks.
+const PROCESSORS: [u32; 5] = [1, 2, 4, 8, 16];
+const RANKS: [u32; 2] = [1, 2];
 /// The ways to own a tetrahedron, by the paper's names.
 const WAYS: [(&str, &str); 2] = [("creator", "LTBW"), ("block", "by blocks (SMGP)")];
 
@@ -34,7 +35,9 @@ fn simulated(runs: usize, problems: &[Problem]) -> Work {
 
 /// The work of Figure 5.
 pub(crate) fn work_over_processors(plan: &Plan) -> Work {
-    simulated(WAYS.len() * PROCESSORS.len(), plan.scaling)
+    let millions: f64 = plan.scaling.iter().map(|own| own.millions()).sum();
+    let ranks = Work { meshed: RANKS.len() as f64 * millions, ..Work::default() };
+    simulated(WAYS.len() * PROCESSORS.len(), plan.scaling) + ranks
 }
 
 /// The work of Figure 7.
@@ -109,22 +112,45 @@ pub(crate) fn over_processors(programs: &Programs) -> Result<Vec<Block>, Failure
         below: "Simulated; 16 processors.".into(),
     };
     let names: Vec<String> = PROCESSORS.map(|p| p.to_string()).to_vec();
-    let rows = times.iter().map(|line| {
-        let first = std::iter::once(format!("simulated, {}", line.name));
-        first.chain(line.values.iter().map(|own| crate::table::seconds(*own))).collect()
-    });
+    let mut rows: Vec<Vec<String>> = times
+        .iter()
+        .map(|line| {
+            let first = std::iter::once(format!("simulated, {}", line.name));
+            first.chain(line.values.iter().map(|own| seconds(*own))).collect()
+        })
+        .collect();
+    for &problem in programs.plan.scaling {
+        rows.extend(run_on_ranks(programs, problem)?);
+    }
     let right = Table {
         title: "Figure 5, right: whole times over processors".into(),
         head: std::iter::once("seconds".to_owned()).chain(names.iter().cloned()).collect(),
-        rows: rows.collect(),
+        rows,
         below:
             "Start and end on one processor, distribution and gathering are in them. The paper has \
-                a picture alone; it calls its speed-up O(log P)."
+                a picture alone; it calls its speed-up O(log P). Processors that are run are \
+                today's, ranks on this machine, and tetrahedra their new points' blocks'."
                 .into(),
     };
     let below = "Simulated; seconds over processors.".into();
     let over = Picture { title: "Figure 5, right".into(), svg: lines(&names, &times), below };
     Ok(vec![Block::Table(left), Block::Picture(picture), Block::Table(right), Block::Picture(over)])
+}
+
+/// The row of a problem that is run on ranks, without rounds; none where there is no MPI.
+fn run_on_ranks(programs: &Programs, problem: Problem) -> Result<Option<Vec<String>>, Failure> {
+    let mut row = vec![format!("run on ranks, {}", problem.size)];
+    for ranks in PROCESSORS {
+        if !RANKS.contains(&ranks) {
+            row.push("-".to_owned());
+            continue;
+        }
+        let Some(report) = programs.on_ranks(problem, ranks, &["--mode", "async"])? else {
+            return Ok(None);
+        };
+        row.push(seconds(number(&report, &["seconds", "refine"])?));
+    }
+    Ok(Some(row))
 }
 
 /// Shares of cavities by kind, with setbacks and services, of the tee on 16 processors.

@@ -1,5 +1,6 @@
 //! The study that the paper leaves to another one: setbacks as a function of concurrency, of the
-//! surface of submeshes, of latency, and of polling.
+//! surface of submeshes, of latency, and of polling; of the order of insertion and of the function
+//! that places points (its section 2), too.
 
 use crate::Failure;
 use crate::chart::{Series, lines};
@@ -14,7 +15,7 @@ struct Factor {
     values: &'static [&'static str],
 }
 
-const FACTORS: [Factor; 4] = [
+const FACTORS: [Factor; 6] = [
     Factor {
         name: "operations at a time",
         option: "--window",
@@ -26,6 +27,16 @@ const FACTORS: [Factor; 4] = [
         name: "cavities between two looks for messages",
         option: "--poll-every",
         values: &["1", "2", "4", "8"],
+    },
+    Factor {
+        name: "order of insertion",
+        option: "--order",
+        values: &["largest", "smallest", "oldest", "newest"],
+    },
+    Factor {
+        name: "place of points from the centre towards the shortest edge",
+        option: "--towards",
+        values: &["0", "0.1", "0.2", "0.25"],
     },
 ];
 
@@ -61,6 +72,7 @@ pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {
                     format!("{:.0}", of("worst_setbacks")?),
                     worst.map_or("-".to_owned(), |lt| format!("{lt:.3}")),
                     format!("{:.3}", of("surface_to_volume")?),
+                    format!("{:.0}", number(&report, &["mesh", "tets"])?),
                     of_nanos(of("makespan")?),
                     percent(of("efficiency")?),
                 ]);
@@ -73,6 +85,7 @@ pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {
             "most of one",
             "LT, worst",
             "surface to volume",
+            "tetrahedra",
             "kernel, s",
             "efficiency",
         ];

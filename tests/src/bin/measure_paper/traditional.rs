@@ -5,12 +5,13 @@ use crate::estimate::Work;
 use crate::programs::{Plan, Problem, Programs, number};
 use crate::table::{Block, Table, cells, seconds};
 use ltbw_tests::median;
-use serde_json::Value;
 
 /// Runs of each, one after the other in turn.
 const RUNS: usize = 3;
 /// Parts, as the paper's processors.
-const PARTS: u32 = 16;
+pub(crate) const PARTS: u32 = 16;
+/// The partitioners of the traditional way, as its report names them.
+pub(crate) const PARTITIONERS: [&str; 2] = ["METIS", "PT-Scotch"];
 /// Workers that share nothing, as many as cores: up to these.
 const MOST_WORKERS: usize = 16;
 
@@ -18,20 +19,24 @@ const MOST_WORKERS: usize = 16;
 struct Taken {
     problem: Problem,
     tets: f64,
-    /// Of the traditional way: generate, write, read, graph, partition, deal.
-    steps: [f64; 6],
-    /// Of workers that make the parts in place, and of ranks of an MPI, if one is here.
+    /// Of the traditional way, what all partitioners share: generate, write, read, graph.
+    first: [f64; 4],
+    /// Of each partitioner: partition, deal.
+    then: [[f64; 2]; PARTITIONERS.len()],
+    /// Of workers that make the parts in place, and of ranks of an MPI.
     ours: f64,
-    on_ranks: Option<f64>,
+    on_ranks: f64,
 }
 
 impl Taken {
-    fn traditional(&self) -> f64 {
-        self.steps.iter().sum()
+    /// The whole time of the traditional way with a partitioner.
+    fn traditional(&self, then: &[f64; 2]) -> f64 {
+        self.first.iter().chain(then).sum()
     }
 }
 
-const STEPS: [&str; 6] = ["generate", "write", "read", "graph", "partition", "deal"];
+const FIRST: [&str; 4] = ["generate", "write", "read", "graph"];
+const THEN: [&str; 2] = ["partition", "deal"];
 
 /// The work of these tables.
 pub(crate) fn work(plan: &Plan) -> Work {
@@ -53,12 +58,20 @@ pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {
 }
 
 fn taken(programs: &Programs, problem: Problem, workers: usize) -> Result<Option<Taken>, Failure> {
-    let (mut steps, mut tets) = (vec![Vec::new(); STEPS.len()], 0.0);
-    let (mut ours, mut on_ranks) = (Vec::new(), Vec::new());
+    let ranks = u32::try_from(workers)?;
+    // Runs of each step, in the order of the two lists.
+    let mut first = FIRST.map(|_| Vec::new());
+    let mut then = PARTITIONERS.map(|_| THEN.map(|_| Vec::new()));
+    let (mut ours, mut on_ranks, mut tets) = (Vec::new(), Vec::new(), 0.0);
     for _ in 0..RUNS {
-        let Some(report) = programs.traditional(problem, PARTS)? else { return Ok(None) };
-        for (name, list) in STEPS.iter().zip(&mut steps) {
-            list.push(clock(&report, name)?);
+        let Some(report) = programs.traditional(problem, ranks, PARTS)? else { return Ok(None) };
+        for (name, list) in FIRST.iter().zip(&mut first) {
+            list.push(number(&report, &[name])?);
+        }
+        for (by, lists) in PARTITIONERS.iter().zip(&mut then) {
+            for (name, list) in THEN.iter().zip(lists) {
+                list.push(number(&report, &[by, name])?);
+            }
         }
         tets = number(&report, &["tets"])?;
         let report = programs.meshed(problem, &["--workers", &workers.to_string()])?;
@@ -66,35 +79,28 @@ fn taken(programs: &Programs, problem: Problem, workers: usize) -> Result<Option
             return Err("workers have made another mesh".into());
         }
         ours.push(number(&report, &["seconds", "refine"])?);
-        let Some(report) = programs.on_ranks(problem, workers as u32)? else { continue };
+        let Some(report) = programs.on_ranks(problem, ranks, &[])? else { return Ok(None) };
         if number(&report, &["mesh", "tets"])? != tets {
             return Err("ranks have made another mesh".into());
         }
         on_ranks.push(number(&report, &["seconds", "refine"])?);
     }
-    let mut medians = [0.0; 6];
-    for (value, list) in medians.iter_mut().zip(&mut steps) {
-        *value = median(list);
-    }
-    let on_ranks = (!on_ranks.is_empty()).then(|| median(&mut on_ranks));
-    Ok(Some(Taken { problem, tets, steps: medians, ours: median(&mut ours), on_ranks }))
-}
-
-/// The seconds of a step on the clock.
-fn clock(report: &Value, name: &str) -> Result<f64, Failure> {
-    let steps = report.get("steps").and_then(Value::as_array).ok_or("a report without steps")?;
-    let step = steps.iter().find(|step| step.get("name").is_some_and(|own| own == name));
-    number(step.ok_or_else(|| format!("a report without {name}"))?, &["clock"])
+    let first = first.map(|mut list| median(&mut list));
+    let then = then.map(|lists| lists.map(|mut list| median(&mut list)));
+    let (ours, on_ranks) = (median(&mut ours), median(&mut on_ranks));
+    Ok(Some(Taken { problem, tets, first, then, ours, on_ranks }))
 }
 
 fn table_1(all: &[Taken]) -> Table {
     let mut rows: Vec<Vec<String>> = all
         .iter()
-        .map(|own| {
-            let [generate, write, read, graph, partition, deal] = own.steps;
-            let first = [format!("run, {} ({:.0})", own.problem.size, own.tets)];
-            let steps = [generate, graph, write + read, partition, deal, own.traditional()];
-            first.into_iter().chain(steps.map(seconds)).collect()
+        .flat_map(|own| PARTITIONERS.iter().zip(&own.then).map(move |(by, then)| (own, by, then)))
+        .map(|(own, by, then)| {
+            let [generate, write, read, graph] = own.first;
+            let [partition, deal] = *then;
+            let name = [format!("run on ranks, {} ({:.0}): {by}", own.problem.size, own.tets)];
+            let steps = [generate, graph, write + read, partition, deal, own.traditional(then)];
+            name.into_iter().chain(steps.map(seconds)).collect()
         })
         .collect();
     rows.push(cells(["the paper's, 1M", "255.9", "24.28", "217.8", "5.46", "85.0", "588.5"]));
@@ -113,9 +119,11 @@ fn table_1(all: &[Taken]) -> Table {
         head: cells(head),
         rows,
         below: format!(
-            "Run: cube with an octahedral hole, one thread, medians of {RUNS}, seconds of the \
-             clock; METIS k-way into {PARTS} parts (the paper: ParMetis on 16 SP processors), a \
-             thread for each part, which numbers its vertices anew (data movement)."
+            "Run on as many ranks as in Table II: cube with an octahedral hole, medians of {RUNS}, \
+             seconds of the clock. What is sequential is the first process's, METIS's k-way \
+             partition into {PARTS} parts, too; PT-Scotch's is of all processes, with the way of \
+             the graph to them in it (the paper: ParMetis on 16 SP processors). Parts go to the \
+             processes in turn, which number their vertices anew (data movement)."
         ),
     }
 }
@@ -129,10 +137,15 @@ fn table_2(all: &[Taken], workers: usize) -> Table {
         .iter()
         .flat_map(|own| {
             let size = own.problem.size;
-            let by = |name, ours| row(name, [own.steps[0], own.traditional(), ours]);
-            let ranks =
-                own.on_ranks.map(|ours| by(format!("run on ranks, {size} on {workers}"), ours));
-            [by(format!("run, {size} on {workers} workers"), own.ours)].into_iter().chain(ranks)
+            let whole = own.then.iter().map(|then| own.traditional(then));
+            let by_both = PARTITIONERS.iter().zip(whole);
+            by_both.flat_map(move |(by, whole)| {
+                let of = |name, ours| row(name, [own.first[0], whole, ours]);
+                [
+                    of(format!("run, {size} on {workers} workers; {by}"), own.ours),
+                    of(format!("run on ranks, {size} on {workers}; {by}"), own.on_ranks),
+                ]
+            })
         })
         .collect();
     let paper = [
