@@ -4,14 +4,15 @@
 usage: parted.py FOLDER WHOLE.vtu STEM PARTS
 
 In FOLDER are the mesh as one process writes it, and the files STEM_%.msh, STEM.mfem, STEM.pvtu and
-STEM.vtkhdf of the same mesh in PARTS parts. Compared are numbers, volumes, places, and what parts share. Gmsh's
+STEM.vtkhdf of the same mesh in PARTS parts. Compared are numbers, volumes, places, what parts share, and of
+a domain the regions of tetrahedra and the marked triangles. Gmsh's
 part is what deal.II calls of Gmsh in `read_partitioned_msh`. The exit code is 0 if all agree, 1 if
 not, and 3 if a package is missing (the reason is on stdout). PyMFEM and h5py read files, too, if
 they are there.
 """
 
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 
 import numpy as np
@@ -40,16 +41,48 @@ def names(points, tets):
     return [frozenset(all_places[v] for v in tet) for tet in tets]
 
 
+def labelled(points, cells, labels):
+    """How often there is each cell, as a set of places, with each label."""
+    return Counter(zip(names(points, cells), map(int, labels)))
+
+
+def labels_of(grid):
+    """Regions of tetrahedra, marked triangles and their markers, of a grid that has them."""
+    if "region" not in grid.cell_data:
+        return None
+    tets, triangles = (grid.celltypes == kind for kind in (pyvista.CellType.TETRA, pyvista.CellType.TRIANGLE))
+    corners = grid.cells_dict.get(pyvista.CellType.TRIANGLE, np.empty((0, 3), dtype=int))
+    return grid.cell_data["region"][tets], corners, grid.cell_data["marker"][triangles]
+
+
 class Parts:
     """Points and tetrahedra of the parts, and which parts have what."""
 
     def __init__(self, what, whole, agree):
-        self.what, self.whole, self.agree = what, whole, agree
-        self.pieces = []
+        self.what, self.agree = what, agree
+        *self.whole, self.labels = whole
+        self.pieces, self.regions, self.marked = [], Counter(), Counter()
 
-    def add(self, points, tets):
+    def add(self, points, tets, labels=None):
         tets = np.asarray(tets, dtype=np.int64).reshape(-1, 4)
-        self.pieces.append((np.asarray(points).reshape(-1, 3), tets))
+        points = np.asarray(points).reshape(-1, 3)
+        self.pieces.append((points, tets))
+        if labels is not None:
+            regions, triangles, markers = labels
+            self.regions += labelled(points, tets, regions)
+            self.marked += labelled(points, np.asarray(triangles, dtype=np.int64).reshape(-1, 3), markers)
+
+    def compare_labels(self, rename=lambda marker, _: marker):
+        """Compares regions and marked triangles; `rename` is what a format makes of a marker among all."""
+        if self.labels is None:
+            return
+        regions, triangles, markers = self.labels
+        points, tets = self.whole
+        self.agree(f"{self.what}: regions", self.regions == labelled(points, tets, regions), True)
+        known = set(map(int, markers))
+        marked = labelled(points, triangles, [rename(int(marker), known) for marker in markers])
+        self.agree(f"{self.what}: marked triangles", self.marked == marked, True)
+        self.agree(f"{self.what}: some are", len(marked) > 0, True)
 
     def compare(self):
         """Compares with the whole; returns the parts of each place that several have."""
@@ -91,8 +124,15 @@ def by_gmsh(folder, stem, count, whole, agree):
                 known = nodes.setdefault(tag, at[i])
                 if not np.array_equal(known, at[i]):
                     agree(f"node {tag}: one place", at[i], known)
-            own = []
+            own, regions, triangles, markers = [], [], [], []
+            for dimension, entity in gmsh.model.getEntities(2):
+                groups = gmsh.model.getPhysicalGroupsForEntity(dimension, entity)
+                for corners in gmsh.model.mesh.getElements(dimension, entity)[2]:
+                    corners = [[place[int(tag)] for tag in row] for row in corners.reshape(-1, 3)]
+                    triangles += corners
+                    markers += [int(groups[0])] * len(corners)
             for dimension, entity in gmsh.model.getEntities(3):
+                groups = gmsh.model.getPhysicalGroupsForEntity(dimension, entity)
                 kinds, numbers, corners = gmsh.model.mesh.getElements(dimension, entity)
                 ghosts = gmsh.model.mesh.getGhostElements(dimension, entity)
                 owner = dict(zip(map(int, ghosts[0]), map(int, ghosts[1])))
@@ -105,13 +145,18 @@ def by_gmsh(folder, stem, count, whole, agree):
                         else:
                             owned[number] = (k, tet)
                             own.append([place[tag] for tag in tet])
+                            regions += [int(tag) for tag in groups]
             used = np.unique(np.asarray(own, dtype=int).reshape(-1))
-            renamed = np.searchsorted(used, np.asarray(own, dtype=int).reshape(-1, 4))
-            parts.add(at[used], renamed)
+            renamed = [
+                np.searchsorted(used, np.asarray(cells, dtype=int).reshape(-1, n)) for cells, n in ((own, 4), (triangles, 3))
+            ]
+            parts.add(at[used], renamed[0], parts.labels and (regions, renamed[1], markers))
     finally:
         if ours:
             gmsh.finalize()
     shared = parts.compare()
+    # A physical group of Gmsh has no number 0: it gets the next one that is free.
+    parts.compare_labels(lambda marker, known: marker or max(known) + 1)
     agree("numbers of nodes", sorted(nodes), list(range(1, len(whole[0]) + 1)))
     agree("numbers of tetrahedra", sorted(owned), list(range(1, len(whole[1]) + 1)))
     # The owner of a vertex is the first part that has it: part by part they count on.
@@ -167,7 +212,8 @@ def by_mfem(folder, stem, count, whole, shared, agree):
     total, on_hull = 0, 0
     for k in range(count):
         points, tets, hull, groups, own = read_mfem(folder / f"{stem}.{k:06d}")
-        parts.add(points, [row[2:] for row in tets])
+        labels = ([row[0] for row in tets], [row[2:] for row in hull], [row[0] for row in hull])
+        parts.add(points, [row[2:] for row in tets], parts.labels and labels)
         agree(f"{what}: kinds", {row[1] for row in tets} <= {4} and {row[1] for row in hull} <= {2}, True)
         agree(f"{what}: the first group", groups[0], (k,))
         at = places(points)
@@ -183,11 +229,14 @@ def by_mfem(folder, stem, count, whole, shared, agree):
     agree(f"{what}: each has its groups", all(len(own) == len(g) for g, own in lists.items()), True)
     found = {row[0]: set(g) for g, own in lists.items() for row in own[0][0]}
     agree(f"{what}: shared vertices", found == shared == parts.compare(), True)
+    # MFEM's attributes are positive: where a marker is 0 all are one more.
+    parts.compare_labels(lambda marker, known: marker + (0 in known))
     faces = defaultdict(int)
     for tet in whole[1]:
         for k in range(4):
             faces[frozenset(np.delete(tet, k).tolist())] += 1
-    agree(f"{what}: the boundary", on_hull, sum(n == 1 for n in faces.values()))
+    boundary = sum(n == 1 for n in faces.values()) if whole[2] is None else len(whole[2][1])
+    agree(f"{what}: the boundary", on_hull, boundary)
     try:
         import mfem.ser as mfem
     except (ImportError, OSError) as error:
@@ -199,7 +248,7 @@ def by_mfem(folder, stem, count, whole, shared, agree):
         size += mesh.GetNE()
         volume += sum(mesh.GetElementVolume(t) for t in range(mesh.GetNE()))
     agree(f"{what} by PyMFEM: tetrahedra", size, len(whole[1]))
-    close = bool(np.isclose(volume, volumes(*whole).sum(), rtol=1e-12))
+    close = bool(np.isclose(volume, volumes(*whole[:2]).sum(), rtol=1e-12))
     agree(f"{what} by PyMFEM: volume", close, True)
 
 
@@ -210,7 +259,7 @@ def by_vtk(folder, stem, count, whole, shared, agree):
     for k in range(count):
         piece = pyvista.read(folder / f"{stem}_{k}.vtu")
         tets = piece.cells_dict.get(pyvista.CellType.TETRA, np.empty((0, 4), dtype=int))
-        parts.add(piece.points, tets)
+        parts.add(piece.points, tets, labels_of(piece))
         told = zip(places(piece.points), piece.point_data["GlobalPointIds"], piece.point_data["owner"])
         for place, number, owner in told:
             if numbers.setdefault(place, number) != number or owners.setdefault(place, owner) != owner:
@@ -218,6 +267,7 @@ def by_vtk(folder, stem, count, whole, shared, agree):
             if place not in shared and owner != k:
                 agree(f"{what}: the owner of an inner point", owner, k)
     agree(f"{what}: shared vertices", parts.compare() == shared, True)
+    parts.compare_labels()
     agree(f"{what}: a number each", len(set(numbers.values())), len(numbers))
     agree(f"{what}: owners", {p: owners[p] for p in shared} == {p: min(k) for p, k in shared.items()}, True)
 
@@ -231,12 +281,13 @@ def by_vtkhdf(folder, stem, count, whole, shared, agree):
     for k, piece in enumerate(pieces):
         listed = pyvista.read(folder / f"{stem}_{k}.vtu")
         tets = piece.cells_dict.get(pyvista.CellType.TETRA, np.empty((0, 4), dtype=int))
-        parts.add(piece.points, tets)
+        parts.add(piece.points, tets, labels_of(piece))
         for name in ["GlobalPointIds", "owner"]:
             same = np.array_equal(piece.point_data[name], listed.point_data[name])
             agree(f"{what}: {name} of part {k}", bool(same), True)
         agree(f"{what}: worker", set(piece.cell_data["worker"].tolist()) <= {k}, True)
     agree(f"{what}: shared vertices", parts.compare() == shared, True)
+    parts.compare_labels()
     try:
         import h5py
     except (ImportError, OSError) as error:
@@ -244,7 +295,7 @@ def by_vtkhdf(folder, stem, count, whole, shared, agree):
         return
     with h5py.File(folder / f"{stem}.vtkhdf") as file:
         told = file["VTKHDF/NumberOfCells"][:].tolist()
-        agree(f"{what}: sizes", told, [len(tets) for _, tets in parts.pieces])
+        agree(f"{what}: sizes", told, [piece.n_cells for piece in pieces])
         agree(f"{what}: points", len(file["VTKHDF/Points"]), sum(len(p) for p, _ in parts.pieces))
 
 
@@ -254,7 +305,11 @@ def compare(folder, whole, stem, count, agree):
     tets = grid.cells_dict[pyvista.CellType.TETRA]
     # Points that equal another one are no vertices.
     used = np.unique(tets)
-    whole = (np.asarray(grid.points)[used], np.searchsorted(used, tets))
+    labels = labels_of(grid)
+    if labels is not None:
+        regions, triangles, markers = labels
+        labels = regions, np.searchsorted(used, triangles), markers
+    whole = (np.asarray(grid.points)[used], np.searchsorted(used, tets), labels)
     shared = by_gmsh(folder, stem, count, whole, agree)
     by_mfem(folder, stem, count, whole, shared, agree)
     by_vtk(folder, stem, count, whole, shared, agree)

@@ -72,7 +72,7 @@ pub(crate) fn finish(
     told.print(judged.measured.as_ref());
     print_workers(&made);
     report.workers.clone_from(&made.workers);
-    report.redeals = made.redeals;
+    (report.redeals, report.share) = (made.redeals, made.share);
     print_patches(job.flat_tolerance, &refined.stats);
     report.quality = judged.measured.as_ref().map(measured_json);
     if refined.outcome != RefineOutcome::Cancelled {

@@ -44,6 +44,9 @@ pub(crate) struct Report {
     pub(crate) outputs: Vec<String>,
     /// Figures of each worker of the parallel kernel; none if one thread inserted.
     pub(crate) workers: Vec<ltbw::threads::WorkerStats>,
+    /// The share of workers in a refinement in rounds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) share: Option<crate::workers::Share>,
     /// The times and the memory of the processes of a job, if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) ranks: Option<Value>,

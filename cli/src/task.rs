@@ -113,6 +113,7 @@ impl Task<'_> {
             certificate: None,
             outputs: Vec::new(),
             workers: Vec::new(),
+            share: None,
             ranks: None,
             redeals: None,
             parallel: None,

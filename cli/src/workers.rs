@@ -26,6 +26,43 @@ pub(crate) struct Made {
     pub(crate) splits: Option<Splits>,
     /// The moves of the cuts between the workers' parts, if there were any.
     pub(crate) redeals: Option<Redeals>,
+    /// Their share of a refinement in rounds.
+    pub(crate) share: Option<Share>,
+}
+
+/// The share of workers in a refinement in rounds.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub(crate) struct Share {
+    /// Vertices of the mesh with which they began, which one has made.
+    start: u64,
+    /// Their part of the points after that.
+    by_workers: f64,
+    /// The points of the busiest, times the mean.
+    busiest: f64,
+}
+
+impl Share {
+    /// The share in a mesh of as many vertices; none if no worker has begun.
+    pub(crate) fn of(
+        figures: &RoundFigures,
+        workers: &[WorkerStats],
+        vertices: u64,
+    ) -> Option<Self> {
+        let RoundFigures { started: start, points, parted_points, .. } = *figures;
+        let (made, after) = (points + parted_points, vertices.saturating_sub(start));
+        let most = workers.iter().map(points_of).max()?;
+        let mean = workers.iter().map(points_of).sum::<u64>() as f64 / workers.len() as f64;
+        (start > 0 && made > 0).then(|| Self {
+            start,
+            by_workers: made as f64 / after.max(made) as f64,
+            busiest: most as f64 / mean.max(1.0),
+        })
+    }
+}
+
+/// The points of a worker.
+fn points_of(own: &WorkerStats) -> u64 {
+    own.local + own.operations
 }
 
 /// The moves of the cuts between the workers' parts.
@@ -108,10 +145,13 @@ pub(crate) fn refine(
 impl Made {
     /// A domain that a crew has refined in rounds, and its part in that.
     pub(crate) fn by_rounds(run: ThreadedRounds) -> (Refined, Self) {
-        let points = run.workers.iter().map(|own| own.local + own.operations).sum();
+        let points = run.workers.iter().map(points_of).sum();
         let redeals = Redeals::of(&run.figures);
-        let made = Self { workers: run.workers, owners: run.owners, redeals, ..Self::default() };
-        made.told(run.refined, points, run.ending.err())
+        let vertices = run.refined.mesh().num_vertices() as u64;
+        let share = Share::of(&run.figures, &run.workers, vertices);
+        let ThreadedRounds { refined, workers, owners, ending, .. } = run;
+        let made = Self { workers, owners, redeals, share, ..Self::default() };
+        made.told(refined, points, ending.err())
     }
 
     /// A domain that a crew has refined without rounds, and its part in that.
@@ -154,8 +194,7 @@ pub(crate) fn print_workers(made: &Made) {
         // Points that give way, or do nothing, have cavities, too.
         points = "cavities";
     }
-    let count = |own: &WorkerStats| own.local + own.operations;
-    let most = made.workers.iter().map(count).max().unwrap_or_default();
+    let most = made.workers.iter().map(points_of).max().unwrap_or_default();
     let sum = |of: fn(&WorkerStats) -> u64| made.workers.iter().map(of).sum::<u64>();
     console::people(&format!(
         "workers   {}, of at most {most} {points}; {} points at interfaces, {} setbacks, {} \
@@ -165,6 +204,13 @@ pub(crate) fn print_workers(made: &Made) {
         sum(|own| own.setbacks),
         sum(|own| own.messages)
     ));
+    if let Some(Share { start, by_workers, busiest }) = made.share {
+        let by_workers = 100.0 * by_workers;
+        console::people(&format!(
+            "share     {by_workers:.1} % of the points after {start} vertices; the busiest has \
+             {busiest:.2} times the mean"
+        ));
+    }
     if let Some(Redeals { times, tets }) = made.redeals {
         console::people(&format!("redeals   {times}, in which {tets} tetrahedra went elsewhere"));
     }

@@ -222,3 +222,31 @@ fn the_demo_meshes_the_model_problem_and_shows_it() {
         assert_eq!(run.code, 0, "{command}: {}", run.stderr);
     }
 }
+
+/// The share that workers have in a domain is told, and the same where the cuts between them move.
+#[test]
+fn the_share_of_workers_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let made = ltbw(dir.path(), &["generate", "tee", "-o", "d.poly"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let mesh = ["mesh", "d.poly", "--max-volume", "1e-4", "--json", "r.json"];
+    let alone = ltbw(dir.path(), &mesh);
+    for (more, moves) in [(&[][..], false), (&["--redeal", "2"], true)] {
+        let run = ltbw(dir.path(), &[&mesh[..], &["--workers", "2"], more].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert_eq!(hash(&run), hash(&alone));
+        let report = json(&std::fs::read_to_string(dir.path().join("r.json")).unwrap());
+        let of = |name: &str| report["share"][name].as_f64().unwrap();
+        let (vertices, start) = (report["mesh"]["vertices"].as_f64().unwrap(), of("start"));
+        assert!(start > 1000.0 && start < vertices, "{start} of {vertices}");
+        assert!((0.9..=1.0).contains(&of("by_workers")), "{}", report["share"]);
+        assert!((1.0..1.5).contains(&of("busiest")), "{}", report["share"]);
+        assert!(run.stderr.contains("share     "), "{}", run.stderr);
+        assert_eq!(report["redeals"].is_object(), moves, "{report}");
+    }
+    for wrong in [&["--redeal", "2"][..], &["--workers", "2", "--redeal", "0"]] {
+        assert_eq!(ltbw(dir.path(), &[&mesh[..], wrong].concat()).code, 2, "{wrong:?}");
+    }
+    let wrong = ["--workers", "2", "--mode", "async", "--redeal", "needed"];
+    assert_eq!(ltbw(dir.path(), &[&mesh[..], &wrong].concat()).code, 2);
+}

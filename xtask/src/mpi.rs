@@ -9,6 +9,7 @@ mod draw;
 mod faults;
 mod freely;
 pub(crate) mod library;
+mod memory;
 mod readers;
 mod resumed;
 mod seeds;
@@ -49,8 +50,13 @@ const POINTS: [(&str, &str, &str); 7] = [
     ("uniform", "40", "npy"),
 ];
 
-/// Domains: kind, what else makes it, bounds.
-const DOMAINS: [(&str, &[&str], &[&str]); 5] = [
+/// A domain: kind, what else makes it, bounds.
+type Kind = (&'static str, &'static [&'static str], &'static [&'static str]);
+
+/// A domain of two regions, for readers.
+const REGIONS: Kind = ("two-material", &[], &["--max-volume", "2e-4"]);
+
+const DOMAINS: [Kind; 5] = [
     ("cube-octahedron", &[], &["--max-volume", "5e-5"]),
     ("tee", &[], &["--max-volume", "1.5e-4"]),
     ("gear", &[], &["--max-volume", "4e-5", "--keep-exterior"]),
@@ -156,7 +162,10 @@ fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
     if let Some(count) = asked.seeds {
         return seeds::run(&bench, count, asked.ranks.as_deref(), asked.seed);
     }
-    let inputs = bench.inputs()?;
+    let mut inputs = bench.inputs()?;
+    if asked.has_readers {
+        inputs.push(bench.domain(REGIONS)?);
+    }
     if let Some(count) = asked.faults {
         return storm::run(&bench, count, asked.seed);
     }
@@ -189,20 +198,23 @@ fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
         bench.in_parts(input, &alone, most)?;
         runs += ways.len() + 1;
         let is_sound = input.is_domain() && alone.code == Some(0) && !input.has_exterior();
-        match asked.has_readers {
-            true if is_sound && bench.mpi.library.name == "Open MPI" => {
-                readers::by_dolfinx(&bench, &input.name)?;
-            }
-            true if !input.is_domain() => {
-                readers::run(&bench, &input.name, &input.arguments, most)?;
-            }
-            _ => {}
+        if !asked.has_readers {
+            continue;
+        }
+        if is_sound && bench.mpi.library.name == "Open MPI" {
+            readers::by_dolfinx(&bench, &input.name)?;
+        }
+        if is_sound || !input.is_domain() {
+            readers::run(&bench, &input.name, &input.arguments, most)?;
         }
     }
     println!("{} inputs, {runs} runs: one hash each", inputs.len());
     println!("{} jobs without rounds", freely::run(&bench)?);
     let count = faults::run(&bench)? + resumed::run(&bench)?;
     println!("{count} refusals and faults: each with its word and its code");
+    if runs_all && bench.mpi.library.name == "Open MPI" {
+        println!("{} jobs under valgrind: nothing found", memory::run(&bench)?);
+    }
     storm::run(&bench, FEW_FAULTS, asked.seed)
 }
 
@@ -260,11 +272,8 @@ impl Bench {
             let arguments = words_of(&["delaunay", &file]);
             inputs.push(Input { name: format!("{kind} {count}"), arguments });
         }
-        for (kind, shape, bounds) in DOMAINS {
-            let file = format!("{kind}.poly");
-            self.generate(&[&[kind], shape, &["-o", &file]].concat())?;
-            let arguments = words_of(&[&["mesh", &file], bounds].concat());
-            inputs.push(Input { name: kind.to_owned(), arguments });
+        for kind in DOMAINS {
+            inputs.push(self.domain(kind)?);
         }
         let file = format!("{PATCHED}.obj");
         let written = fs::write(self.folder.join(&file), torus::torus(10));
@@ -272,6 +281,15 @@ impl Bench {
         let arguments = words_of(&[&["mesh", &file], &PATCHED_BOUNDS[..]].concat());
         inputs.push(Input { name: PATCHED.to_owned(), arguments });
         Ok(inputs)
+    }
+
+    /// Makes the file of a domain.
+    fn domain(&self, kind: Kind) -> Result<Input, String> {
+        let (kind, shape, bounds) = kind;
+        let file = format!("{kind}.poly");
+        self.generate(&[&[kind], shape, &["-o", &file]].concat())?;
+        let arguments = words_of(&[&["mesh", &file], bounds].concat());
+        Ok(Input { name: kind.to_owned(), arguments })
     }
 
     /// The outcome of `ltbw` with an input, and more arguments.

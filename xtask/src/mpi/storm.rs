@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 const JOBS: [&[&str]; 5] = [
     &["delaunay", "uniform-20000.npy", "-o", "storm.pvtu"],
     &["mesh", "cube-octahedron.poly", "--max-volume", "2e-4", "-o", "storm.pvtu"],
-    &["mesh", "tee.poly", "--max-volume", "6e-4", "-o", "storm.vtu"],
+    &["mesh", "tee.poly", "--max-volume", "6e-4", "--smooth", "6", "-o", "storm.vtu"],
     &["mesh", "gear.poly", "--max-volume", "2e-4", "--min-dihedral", "0", "-o", "storm.pvtu"],
     &[
         "mesh",

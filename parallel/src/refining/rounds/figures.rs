@@ -24,6 +24,8 @@ pub enum Ending {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoundFigures {
+    /// Vertices of the mesh with which the workers began.
+    pub started: u64,
     /// Rounds that inserted points: all, and with points on segments, on facets, inside.
     pub rounds: [u64; 4],
     /// Points of the widest round.

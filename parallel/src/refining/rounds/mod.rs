@@ -354,6 +354,9 @@ fn begin<'c, C: Rules>(
         let mut source = Rounds::new(among, [before, start.most, others], mesh);
         source.expect_tets(start.expected_of(layout.workers));
         source.resume(mesh, &resumed.left, resumed.figures);
+        if source.figures.started == 0 {
+            source.figures.started = start.points.len() as u64;
+        }
         source.border = resumed.border;
         source.pace = Pace::new(layout.redeal, layout.workers);
         source

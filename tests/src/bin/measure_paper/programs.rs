@@ -34,6 +34,8 @@ pub(crate) struct Plan {
     pub(crate) model: &'static [Problem],
     /// Cube-in-cube on 32 workstations: Tables IV to VI.
     pub(crate) cubes: &'static [Problem],
+    /// One of a size that ranks of one machine run.
+    pub(crate) ranked: Problem,
     /// Figure 5.
     pub(crate) scaling: &'static [Problem],
     /// The gear of Figure 6.
@@ -63,6 +65,7 @@ const FULL: Plan = Plan {
         problem("cube-octahedron", "2M", "8.68915e-7"),
     ],
     cubes: &[problem("cube-in-cube", "8M", "2.2e-7"), problem("cube-in-cube", "16M", "1.1e-7")],
+    ranked: problem("cube-in-cube", "1M", "1.78e-6"),
     scaling: &[
         problem("cube-octahedron", "0.5M", "3.47566e-6"),
         problem("cube-octahedron", "1M", "1.73783e-6"),
@@ -77,6 +80,7 @@ const FULL: Plan = Plan {
 const SMALL: Plan = Plan {
     model: &[problem("cube-octahedron", "20k", "1e-4")],
     cubes: &[problem("cube-in-cube", "60k", "3e-5")],
+    ranked: problem("cube-in-cube", "60k", "3e-5"),
     scaling: &[problem("cube-octahedron", "20k", "1e-4")],
     gear: problem("gear", "13k", "1e-4"),
     tee: &[problem("tee", "55k", "1e-4")],
@@ -87,6 +91,7 @@ const SMALL: Plan = Plan {
 const USUAL: Plan = Plan {
     model: &[problem("cube-octahedron", "1M", "1.73783e-6")],
     cubes: &[problem("cube-in-cube", "1M", "1.78e-6")],
+    ranked: problem("cube-in-cube", "1M", "1.78e-6"),
     scaling: &[problem("cube-octahedron", "0.25M", "6.9513e-6")],
     gear: problem("gear", "0.5M", "2.6e-6"),
     tee: &[problem("tee", "0.25M", "2.2e-5")],

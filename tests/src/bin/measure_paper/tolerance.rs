@@ -3,11 +3,14 @@
 use crate::Failure;
 use crate::estimate::Work;
 use crate::programs::{Plan, Programs, number, workers};
-use crate::table::{Block, Table, of_nanos, percent};
+use crate::table::{Block, Table, cells, of_nanos, percent, seconds};
 use serde_json::Value;
 
 /// The rules for a request that meets a lock: ours, and the paper's.
 const RULES: [(&str, &str); 2] = [("wound-wait", "ours"), ("paper", "the paper's rule")];
+
+/// Processes that are run.
+const RANKS: u32 = 2;
 
 /// A simulated run.
 struct Run {
@@ -37,7 +40,8 @@ struct Row<const N: usize> {
 /// The work of these tables.
 pub(crate) fn work(plan: &Plan) -> Work {
     let runs = plan.cubes.iter().map(|own| Work::simulated(RULES.len(), own.millions()));
-    runs.fold(Work::default(), |sum, own| sum + own)
+    let ranked = Work { meshed: plan.ranked.millions(), ..Work::default() };
+    runs.fold(ranked, |sum, own| sum + own)
 }
 
 pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {
@@ -54,11 +58,54 @@ pub(crate) fn tables(programs: &Programs) -> Result<Vec<Block>, Failure> {
                    (2.4 ms a cavity, 33 µs a look for messages, also while there is nothing to \
                    do, 146 µs a message, 100 Mbit/s, and 100 µs of latency, which the paper does \
                    not give).";
-    Ok(vec![
-        Block::Table(table_4(&runs, machine)?),
-        Block::Table(table_5(&runs, machine)?),
-        Block::Table(table_6(&runs, machine)?),
-    ])
+    let simulated = [table_4(&runs, machine)?, table_5(&runs, machine)?, table_6(&runs, machine)?];
+    Ok(simulated.into_iter().chain(on_ranks(programs)?).map(Block::Table).collect())
+}
+
+/// The figures of ranks on this machine; none where there is no MPI.
+fn on_ranks(programs: &Programs) -> Result<Option<Table>, Failure> {
+    let problem = programs.plan.ranked;
+    let report = programs.on_ranks(problem, RANKS, &["--mode", "async"])?;
+    let Some(report) = report else { return Ok(None) };
+    let whole = number(&report, &["seconds", "refine"])?;
+    let workers = report.get("workers").and_then(Value::as_array).ok_or("no workers")?;
+    let mut rows = Vec::new();
+    for (rank, worker) in workers.iter().enumerate() {
+        let of = |name| number(worker, &[name]);
+        let polls = worker.get("polls").ok_or("no polls")?;
+        let polls = |k: usize| polls.get(k).and_then(Value::as_f64).ok_or("no polls");
+        let (all, interface) = (of("local")? + of("operations")?, of("interface")?);
+        rows.push(vec![
+            format!("run on ranks, {}: rank {rank}", problem.size),
+            format!("{:.0}", all - interface),
+            format!("{interface:.0}"),
+            format!("{:.0}", of("setbacks")?),
+            percent(of("setbacks")? / all.max(1.0)),
+            format!("{:.0}", polls(0)?),
+            percent(polls(1)? / polls(0)?.max(1.0)),
+            format!("{:.0}", of("messages")?),
+            seconds(whole),
+        ]);
+    }
+    let head = [
+        "2 ranks",
+        "local cavities",
+        "at the interface",
+        "set back",
+        "per cavity",
+        "polls",
+        "of them useful",
+        "messages",
+        "whole, s",
+    ];
+    Ok(Some(Table {
+        title: "Tables IV to VI on ranks".into(),
+        head: cells(head),
+        rows,
+        below: "Run: cube-in-cube without rounds, our rule; start and end are in the time. Shares \
+                of time are simulated alone: on a machine that others use a clock tells little."
+            .into(),
+    }))
 }
 
 /// The workers with the smallest and the largest of a figure.
