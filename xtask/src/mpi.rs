@@ -213,7 +213,7 @@ fn run_by(mpi: Found, asked: &Asked, runs_all: bool) -> Result<(), String> {
     let count = faults::run(&bench)? + resumed::run(&bench)?;
     println!("{count} refusals and faults: each with its word and its code");
     if runs_all && bench.mpi.library.name == "Open MPI" {
-        println!("{} jobs under valgrind: nothing found", memory::run(&bench)?);
+        memory::run(&bench)?;
     }
     storm::run(&bench, FEW_FAULTS, asked.seed)
 }
