@@ -47,7 +47,7 @@ pub(crate) struct Report {
     /// The share of workers in a refinement in rounds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) share: Option<crate::workers::Share>,
-    /// The times and the memory of the processes of a job, if there are several.
+    /// The times and the memory of the processes of a job that keep their parts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) ranks: Option<Value>,
     /// The moves of the cuts between workers' parts of a domain.

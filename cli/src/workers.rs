@@ -37,7 +37,7 @@ pub(crate) struct Share {
     start: u64,
     /// Their part of the points after that.
     by_workers: f64,
-    /// The points of the busiest, times the mean.
+    /// The points of the busiest in this run, times the mean.
     busiest: f64,
 }
 
@@ -52,10 +52,10 @@ impl Share {
         let (made, after) = (points + parted_points, vertices.saturating_sub(start));
         let most = workers.iter().map(points_of).max()?;
         let mean = workers.iter().map(points_of).sum::<u64>() as f64 / workers.len() as f64;
-        (start > 0 && made > 0).then(|| Self {
+        (start > 0 && made > 0 && most > 0).then(|| Self {
             start,
             by_workers: made as f64 / after.max(made) as f64,
-            busiest: most as f64 / mean.max(1.0),
+            busiest: most as f64 / mean,
         })
     }
 }

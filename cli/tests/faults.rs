@@ -60,7 +60,7 @@ fn take(dir: &Path, inputs: &[String]) -> Vec<String> {
 }
 
 /// From 20 MB to 2 GB in 50 steps: done, with the file, or a lack of memory, without one. With more
-/// memory than has been enough some times nothing new can be seen, but at the end.
+/// memory than has been enough some times little new can be seen: a fifth of the steps.
 #[test]
 fn a_lack_of_memory_has_its_code_and_leaves_nothing() {
     let dir = tempfile::tempdir().unwrap();
@@ -69,7 +69,7 @@ fn a_lack_of_memory_has_its_code_and_leaves_nothing() {
     for args in COMMANDS {
         let mut codes = Vec::new();
         for step in 0..50 {
-            if step < 49 && codes.ends_with(&[0; 4]) {
+            if step % 5 != 4 && codes.ends_with(&[0; 4]) {
                 continue;
             }
             // With less the loader does not find room for the program.

@@ -61,9 +61,11 @@ const DOMAINS: [Kind; 5] = [
     ("tee", &[], &["--max-volume", "1.5e-4"]),
     ("gear", &[], &["--max-volume", "4e-5", "--keep-exterior"]),
     ("cube-in-cube", &[], &["--max-volume", "5e-5"]),
-    // One process refines it alone.
-    ("wedge", &["--angle", "5"], &[]),
+    (ALONE, &["--angle", "5"], &[]),
 ];
+
+/// A domain that one process refines alone.
+const ALONE: &str = "wedge";
 
 /// A surface with patches, which takes as many vertices as rounds begin with there: it is run on
 /// the most processes alone, and stays in parts.
@@ -323,6 +325,11 @@ impl Bench {
                 outcome.code, outcome.stdout, alone.code, alone.stdout, outcome.stderr
             ));
         }
+        let told = fs::read_to_string(self.folder.join("ranks.json")).unwrap_or_default();
+        let is_alone = way.count == 1 || input.name == ALONE;
+        if way.has_moves && !is_alone && !told.contains("\"redeals\": {") {
+            return Err(format!("{what}: no cut has moved"));
+        }
         println!("{what}: {:.2} s", outcome.seconds);
         Ok(())
     }
@@ -349,7 +356,8 @@ impl Bench {
             return Err(format!("{what}: one process has the whole"));
         }
         let is_put_together = report.contains("\"gathered\":");
-        if !is_put_together && !report.contains(&format!("\"count\": {count},")) {
+        let told = report.split_once("\"ranks\":").map_or("", |(_, told)| told);
+        if !is_put_together && !told.contains(&format!("\"count\": {count},")) {
             return Err(format!("{what}: the report does not tell of {count} processes"));
         }
         // The others are not read by `ltbw`; what is not as asked for has no certificate.

@@ -137,13 +137,14 @@ fn different(bench: &Bench) -> Result<u32, String> {
 /// A disk that is full at one process: no file gets its name.
 fn full_disk(bench: &Bench) -> Result<u32, String> {
     bench.generate(&["uniform", "100000", "-o", "uniform-100000.npy"])?;
-    for rank in 0..2 {
+    for (rank, name) in [(0, "full.pvtu"), (1, "full.pvtu"), (0, "full.vtkhdf"), (1, "full.vtkhdf")]
+    {
         // Blocks of 512 bytes: room for what an MPI writes itself, and not for a part.
         let script = &format!("[ {RANK} != {rank} ] || ulimit -f 10000; exec \"$0\" \"$@\"");
         let mut job = bench.job(2, false);
         job.args(["sh", "-c", script]).arg(&bench.ranked);
-        job.args(["delaunay", "uniform-100000.npy", "-o", "full.pvtu", "-o", "full.vtkhdf"]);
-        let what = format!("a full disk at rank {rank}");
+        job.args(["delaunay", "uniform-100000.npy", "-o", name]);
+        let what = format!("a full disk at rank {rank}, {name}");
         expect(&what, &watched(&mut job, PATIENCE)?, 6, "File too large")?;
         let entries = fs::read_dir(&bench.folder).map_err(|error| error.to_string())?;
         let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
@@ -151,7 +152,7 @@ fn full_disk(bench: &Bench) -> Result<u32, String> {
             return Err(format!("{what}: {left} is left"));
         }
     }
-    Ok(2)
+    Ok(4)
 }
 
 /// Writes a program that can be run.

@@ -16,7 +16,8 @@ const FOUND: i32 = 99;
 /// collectives, large and small.
 pub(crate) fn run(bench: &Bench) -> Result<(), String> {
     if !works(command("valgrind").arg("--version")) || !Path::new(KNOWN).exists() {
-        let reason = format!("valgrind or {KNOWN} is missing (apt-get install valgrind)");
+        let reason =
+            format!("valgrind or {KNOWN} is missing (apt-get install valgrind openmpi-bin)");
         return require::skip("the calls of MPI under valgrind", "valgrind", &reason);
     }
     let mut job = bench.job(2, false);

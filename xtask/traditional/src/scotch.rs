@@ -66,8 +66,12 @@ impl Owned {
         if object.is_null() {
             return Err("PT-Scotch: out of memory".into());
         }
-        is_done(start(object), "beginning an object")?;
-        Ok(Self { object, exit })
+        let begun = is_done(start(object), "beginning an object");
+        if begun.is_err() {
+            // SAFETY: the object was not begun, and nobody else has it.
+            unsafe { SCOTCH_memFree(object) };
+        }
+        begun.map(|()| Self { object, exit })
     }
 }
 

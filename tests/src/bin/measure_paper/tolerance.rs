@@ -87,8 +87,9 @@ fn on_ranks(programs: &Programs) -> Result<Option<Table>, Failure> {
             seconds(whole),
         ]);
     }
+    let name = format!("{RANKS} ranks");
     let head = [
-        "2 ranks",
+        &name,
         "local cavities",
         "at the interface",
         "set back",
