@@ -346,15 +346,16 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_enum, default_value_t, hide_short_help = true)]
     #[arg(hide_possible_values = true, hide_default_value = true)]
     pub(crate) mode: Mode,
-    /// When the cuts between the workers' parts move between rounds: never, needed, or after every
-    /// N-th
+    /// Move workers' cuts between rounds: never, needed, or each N-th
     #[arg(long, value_name = "WHEN", default_value = "never", hide_short_help = true)]
+    #[arg(hide_default_value = true)]
     pub(crate) redeal: Redeal,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
-    /// Whether the checker looks at the mesh before it is written
+    /// Check the mesh before it is written: off, fast (default), full
     #[arg(long, value_enum, default_value_t = Depth::Fast)]
+    #[arg(hide_possible_values = true, hide_default_value = true)]
     pub(crate) check: Depth,
     #[command(flatten)]
     pub(crate) streams: Streams,
