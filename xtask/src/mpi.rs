@@ -54,7 +54,7 @@ const POINTS: [(&str, &str, &str); 7] = [
 type Kind = (&'static str, &'static [&'static str], &'static [&'static str]);
 
 /// A domain of two regions, for readers.
-const REGIONS: Kind = ("two-material", &[], &["--max-volume", "2e-4"]);
+const REGIONS: Kind = ("two-material", &[], &["--max-volume", "5e-5"]);
 
 const DOMAINS: [Kind; 5] = [
     ("cube-octahedron", &[], &["--max-volume", "5e-5"]),
