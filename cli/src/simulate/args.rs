@@ -62,14 +62,13 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "N", requires = "domain")]
     #[arg(hide_short_help = true)]
     pub(crate) start: Option<usize>,
-    /// The order in which bad tetrahedra are taken with --mode async, by their circumradii or as
-    /// they were found
+    /// async: bad tetrahedra by largest, smallest, oldest or newest
     #[arg(long, default_value_t, requires = "domain", value_parser = orders())]
-    #[arg(hide_short_help = true)]
+    #[arg(hide_short_help = true, hide_possible_values = true, hide_default_value = true)]
     pub(crate) order: Order,
-    /// The place of a new point with --mode async: the circumcentre, or this share of the way from
-    /// there to the middle of the shortest edge, at most 0.25
+    /// async: points off the circumcentre, up to 0.25 of the way to the shortest edge [default: 0]
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, requires = "domain")]
+    #[arg(hide_default_value = true)]
     #[arg(value_parser = towards, hide_short_help = true, allow_negative_numbers = true)]
     pub(crate) towards: f64,
     /// Determines the points and all that is random in the run
