@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// The page that has the tables of the last run with `--write`.
 const PAGE: &str = "docs/paper-tables.md";
 
-/// The package that has the partitioner on processes.
+/// The hint where the traditional way cannot be built.
 const PARTITIONER: &str = "it needs PT-Scotch: apt-get install libptscotch-dev";
 
 /// Builds the programs and makes the tables.
@@ -47,8 +47,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
 }
 
 /// A program that runs that of `xtask/traditional` on as many processes as its first argument says.
-/// It needs a C compiler for METIS, and PT-Scotch, which the system has for Open MPI. The crates
-/// below it are those of the workspace, which are built once.
+/// It needs a C compiler for METIS, and PT-Scotch, which the system has for Open MPI.
 fn traditional(folder: &Path) -> Result<PathBuf, String> {
     let mpi = LIBRARIES[0].find()?;
     let build = ["build", "--quiet", "--release", "--locked"];

@@ -113,7 +113,7 @@ impl Found {
     pub(crate) fn cargo(self, package: &str, arguments: &[&str]) -> Command {
         let mut cargo = cargo();
         cargo.args(arguments).arg("--manifest-path").arg(root().join(package).join("Cargo.toml"));
-        // The crates below are those of the workspace, which are built once.
+        // One folder: crates that two MPIs share are built once.
         cargo
             .env("CARGO_TARGET_DIR", target())
             .env("MPICC", self.compiler)

@@ -53,7 +53,7 @@ pub(super) fn run(
             count: draw.one(asked.unwrap_or(&RANKS)),
             is_tcp: draw.below(2) == 1 && bench.mpi.has_tcp(),
             late: draw.one(&[None, Some("300")]),
-            has_moves: false,
+            ..Way::default()
         };
         let alone = bench.alone(&input, &[])?;
         bench.compare(&input, &alone, way).map_err(|why| format!("input {number}: {why}"))?;
