@@ -137,7 +137,7 @@ pub(crate) fn refine(
     let parallel = Parallel::new(workers).redeal(redeal).cancel(setting.stop.token());
     let run = match mode {
         Mode::Rounds => rounds_on_threads(refiner, whole, &parallel).map(Made::by_rounds),
-        Mode::Async => domain_on_threads(refiner, whole, &parallel).map(Made::freely),
+        Mode::Async => domain_on_threads(refiner, whole.0, whole.1, &parallel).map(Made::freely),
     };
     run.map_err(|error| setting.failed(error))
 }

@@ -20,7 +20,7 @@ use ltbw::domain::PrepareOptions;
 use ltbw::mesh::{Layout, LocalMesh, PointQueue, WireVertex};
 use ltbw::protocol::{Config, Costs, Event, Submesh, Worker};
 use ltbw::refine::Refiner;
-use ltbw::refining::simulate_rounds;
+use ltbw::refining::{Plan, simulate_rounds};
 use ltbw::simulate::{CostModel, Options};
 use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain};
 
@@ -77,9 +77,8 @@ fn looks(model: &CostModel) -> Result<f64, Failure> {
     }
     let modelled = |costs: CostModel| {
         let options = Options { costs, ..Options::default() };
-        let layout = |points| (Layout::new(points, 1), Config::new(1));
-        let whole = (&ready.domain, &ready.lattice);
-        let run = simulate_rounds(&refiner, whole, &layout, &options)?;
+        let plan = |points| Plan { layout: Layout::new(points, 1), config: Config::new(1) };
+        let run = simulate_rounds(&refiner, &ready.domain, &ready.lattice, &plan, &options)?;
         let makespan = run.summary.map_or(0, |summary| summary.makespan);
         Ok::<f64, Failure>(makespan as f64)
     };

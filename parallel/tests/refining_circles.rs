@@ -6,7 +6,7 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::Layout;
 use ltbw::protocol::Config;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
-use ltbw::refining::{Ending, rounds_on_threads, simulate_rounds};
+use ltbw::refining::{Ending, Plan, rounds_on_threads, simulate_rounds};
 use ltbw::simulate::Options;
 use ltbw::threads::Parallel;
 use ltbw::{Builder, CancelToken, Point, PointSet, invariants};
@@ -73,11 +73,11 @@ fn rounds_with_circles_and_blocks_that_are_cancelled_end() {
     let (star, on_star) = barred();
     for (name, ready, refiner) in [("plates", &plates, on_plates), ("a star", &star, on_star)] {
         let alone = engine(&refiner, ready);
-        let layout = |points| (Layout::new(points, 5), Config::new(5));
+        let plan = |points| Plan { layout: Layout::new(points, 5), config: Config::new(5) };
         let whole = (&ready.domain, &ready.lattice);
         let run = |cancel| {
             let options = Options { cancel, ..options(10_000) };
-            simulate_rounds(&refiner, whole, &layout, &options)
+            simulate_rounds(&refiner, whole.0, whole.1, &plan, &options)
         };
         let all = run(None).expect("a run ends");
         let makespan = all.summary.expect("rounds").makespan;

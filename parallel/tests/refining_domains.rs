@@ -7,7 +7,7 @@ use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Rule, WorkerId};
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
-use ltbw::refining::{SimulatedDomain, domain_on_threads, simulate_domain};
+use ltbw::refining::{Plan, SimulatedDomain, domain_on_threads, simulate_domain};
 use ltbw::simulate::{Bursts, Distribution, Network, Options, RandomMigrations};
 use ltbw::threads::Parallel;
 use ltbw::{Builder, CancelToken, Point, PointSet, invariants};
@@ -118,14 +118,15 @@ impl Default for Run {
 impl Run {
     fn of(&self, ready: &Prepared, volume: f64, start: usize) -> SimulatedDomain {
         let Self { processors, ownership, network, closure, seed } = *self;
-        let layout = |points| {
+        let plan = |points| {
             let config = Config { window: 16, closure, ..Config::new(processors) };
-            (Layout { ownership, ..Layout::new(points, processors) }, config)
+            let layout = Layout { ownership, ..Layout::new(points, processors) };
+            Plan { layout, config }
         };
         let options = Options { network, seed, check_every: 5003, ..Options::default() };
         let refiner = Refiner::new().max_volume(volume).start(start);
-        let domain = (&ready.domain, &ready.lattice);
-        simulate_domain(&refiner, domain, &layout, &options).expect("a run ends")
+        simulate_domain(&refiner, &ready.domain, &ready.lattice, &plan, &options)
+            .expect("a run ends")
     }
 }
 
@@ -206,9 +207,10 @@ fn blocks_move_with_their_boundary() {
     for (kind, volume) in [(DomainKind::CubeInCube, 1e-3), (DomainKind::TwoMaterial, 2e-3)] {
         let ready = prepared(kind);
         for seed in 0..6 {
-            let layout = |points| {
+            let plan = |points| {
                 let config = Config { window: 16, ..Config::new(5) };
-                (Layout { blocks_per_worker: 6, ..Layout::new(points, 5) }, config)
+                let layout = Layout { blocks_per_worker: 6, ..Layout::new(points, 5) };
+                Plan { layout, config }
             };
             let network = Network { latency: 20_000 << (2 * (seed % 3)), ..Network::default() };
             let storm = (seed % 2 == 0).then_some(RandomMigrations { every: 300_000 });
@@ -225,8 +227,7 @@ fn blocks_move_with_their_boundary() {
                 ..Options::default()
             };
             let refiner = Refiner::new().max_volume(volume).start(0);
-            let domain = (&ready.domain, &ready.lattice);
-            let run = simulate_domain(&refiner, domain, &layout, &options);
+            let run = simulate_domain(&refiner, &ready.domain, &ready.lattice, &plan, &options);
             let run = run.expect("a run ends");
             check(&format!("{kind:?}, seed {seed}"), &ready, volume, &run);
             moved += run.summary.workers.iter().map(|own| own.migrations).sum::<u64>();
@@ -242,22 +243,17 @@ fn the_papers_rule_refines_domains_too() {
         let ready = prepared(kind);
         for processors in [2, 8, 24] {
             for latency in [1_000, 100_000] {
-                let layout = |points| {
+                let plan = |points| {
                     let config =
                         Config { rule: Rule::Paper, window: 16, ..Config::new(processors) };
-                    (
-                        Layout {
-                            ownership: Ownership::ALL[k % 3],
-                            ..Layout::new(points, processors)
-                        },
-                        config,
-                    )
+                    let ownership = Ownership::ALL[k % 3];
+                    let layout = Layout { ownership, ..Layout::new(points, processors) };
+                    Plan { layout, config }
                 };
                 let network = Network { latency, ..Network::default() };
                 let options = Options { network, max_events: 20_000_000, ..Options::default() };
                 let refiner = Refiner::new().max_volume(volume).start(start);
-                let domain = (&ready.domain, &ready.lattice);
-                let run = simulate_domain(&refiner, domain, &layout, &options);
+                let run = simulate_domain(&refiner, &ready.domain, &ready.lattice, &plan, &options);
                 let run = run.expect("a run ends");
                 let name = format!("{kind:?} on {processors}, {latency} ns");
                 check_mesh(&name, &ready, volume, &run.refined);
@@ -292,15 +288,18 @@ fn what_is_at_small_angles_and_patches_is_left_to_the_engine() {
         surface(&generate_domain(kind, &shape).expect("a shape")).0
     };
     let (torus, tolerance) = surface(&turned(&single(torus(10))));
-    let layout = |points| (Layout::new(points, 4), Config { window: 16, ..Config::new(4) });
+    let plan = |points| Plan {
+        layout: Layout::new(points, 4),
+        config: Config { window: 16, ..Config::new(4) },
+    };
     for (name, ready, tolerance, volume, start) in [
         ("spike", angle(DomainKind::Spike, 5.0), 0.0, 2e-4, 64),
         ("wedge", angle(DomainKind::Wedge, 10.0), 0.0, 1e-5, 1024),
         ("torus", torus, tolerance, 3e-5, 1024),
     ] {
         let refiner = Refiner::new().flat_tolerance(tolerance).max_volume(volume).start(start);
-        let domain = (&ready.domain, &ready.lattice);
-        let run = simulate_domain(&refiner, domain, &layout, &Options::default());
+        let run =
+            simulate_domain(&refiner, &ready.domain, &ready.lattice, &plan, &Options::default());
         let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));
         let splits = run.splits;
         let inserted: u64 = splits.inserted.iter().sum();
@@ -322,10 +321,9 @@ fn what_is_at_small_angles_and_patches_is_left_to_the_engine() {
 fn a_sizing_field_is_met() {
     let ready = prepared(DomainKind::CubeOctahedron);
     let field = |p: Point| 0.1 + 0.1 * p[0];
-    let layout = |points| (Layout::new(points, 6), Config::new(6));
+    let plan = |points| Plan { layout: Layout::new(points, 6), config: Config::new(6) };
     let refiner = Refiner::new().sizing(&field).start(0);
-    let domain = (&ready.domain, &ready.lattice);
-    let run = simulate_domain(&refiner, domain, &layout, &Options::default());
+    let run = simulate_domain(&refiner, &ready.domain, &ready.lattice, &plan, &Options::default());
     let run = run.expect("a run ends");
     assert_eq!((run.splits.refused, run.refined.outcome), ([0, 0], RefineOutcome::Met));
     let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
@@ -339,9 +337,8 @@ fn a_budget_ends_a_run() {
     let ready = prepared(DomainKind::CubeOctahedron);
     let corners = ready.domain.vertices.len();
     let refiner = Refiner::new().max_volume(1e-4).max_points(200).start(0);
-    let layout = |points| (Layout::new(points, 4), Config::new(4));
-    let domain = (&ready.domain, &ready.lattice);
-    let run = simulate_domain(&refiner, domain, &layout, &Options::default());
+    let plan = |points| Plan { layout: Layout::new(points, 4), config: Config::new(4) };
+    let run = simulate_domain(&refiner, &ready.domain, &ready.lattice, &plan, &Options::default());
     let run = run.expect("a run ends");
     assert!(run.splits.refused[1] > 50, "{:?}", run.splits);
     assert_eq!(run.refined.outcome, RefineOutcome::Budget);
@@ -357,8 +354,8 @@ fn threads_refine_domains_without_rounds() {
         for workers in [1, 2, 5] {
             let name = format!("{kind:?} by {workers}");
             let refiner = Refiner::new().max_volume(volume).start(start);
-            let domain = (&ready.domain, &ready.lattice);
-            let run = domain_on_threads(&refiner, domain, &Parallel::new(workers));
+            let run =
+                domain_on_threads(&refiner, &ready.domain, &ready.lattice, &Parallel::new(workers));
             let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));
             check_mesh(&name, &ready, volume, &run.refined);
             let splits = run.splits.expect("a plain domain");
@@ -384,8 +381,7 @@ fn threads_take_every_setting_of_the_protocol() {
         ("balance", parallel().balance(Balance::default())),
     ] {
         let refiner = Refiner::new().max_volume(volume).start(0);
-        let domain = (&ready.domain, &ready.lattice);
-        let run = domain_on_threads(&refiner, domain, &parallel);
+        let run = domain_on_threads(&refiner, &ready.domain, &ready.lattice, &parallel);
         let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));
         check_mesh(name, &ready, volume, &run.refined);
         let inserted: u64 = run.splits.expect("a plain domain").inserted.iter().sum();
@@ -397,9 +393,9 @@ fn threads_take_every_setting_of_the_protocol() {
 #[test]
 fn threads_leave_what_is_at_small_angles_to_the_engine() {
     let ready = prepared(DomainKind::Spike);
-    let (refiner, domain) =
-        (Refiner::new().max_volume(2e-5).start(0), (&ready.domain, &ready.lattice));
-    let run = domain_on_threads(&refiner, domain, &Parallel::new(3)).expect("a mesh");
+    let refiner = Refiner::new().max_volume(2e-5).start(0);
+    let run = domain_on_threads(&refiner, &ready.domain, &ready.lattice, &Parallel::new(3))
+        .expect("a mesh");
     let splits = run.splits.expect("workers have split some");
     assert!(splits.inserted[2] > 100 && run.workers.len() == 3, "{splits:?}");
     check_sound("spike", &ready, &run.refined);
@@ -409,21 +405,21 @@ fn threads_leave_what_is_at_small_angles_to_the_engine() {
 #[test]
 fn a_run_that_is_cancelled_at_any_time_ends() {
     let (ready, volume) = (prepared(DomainKind::CubeOctahedron), 1e-3);
-    let domain = (&ready.domain, &ready.lattice);
+    let (domain, lattice) = (&ready.domain, &ready.lattice);
     for rule in Rule::ALL {
-        let layout = |points| {
+        let plan = |points| {
             let config = Config { rule, window: 16, ..Config::new(8) };
-            (Layout::new(points, 8), config)
+            Plan { layout: Layout::new(points, 8), config }
         };
         let refiner = Refiner::new().max_volume(volume).start(0);
         let network = Network { latency: 100_000, ..Network::default() };
         let options =
             |cancel| Options { network, cancel, max_events: 5_000_000, ..Options::default() };
-        let whole = simulate_domain(&refiner, domain, &layout, &options(None));
+        let whole = simulate_domain(&refiner, domain, lattice, &plan, &options(None));
         let makespan = whole.expect("a run ends").summary.makespan;
         for part in (1..40).step_by(4) {
             let options = options(Some(makespan * part / 40));
-            let run = simulate_domain(&refiner, domain, &layout, &options);
+            let run = simulate_domain(&refiner, domain, lattice, &plan, &options);
             let run = run.unwrap_or_else(|error| panic!("{rule}, {part} of 40: {error}"));
             // The engine goes on where the processors have stopped.
             assert_eq!(run.refined.outcome, RefineOutcome::Met, "{rule}, {part} of 40");
@@ -448,7 +444,7 @@ fn a_run_that_is_cancelled_has_a_sound_mesh() {
             0.03
         };
         let refiner = refiner.sizing(&sizes);
-        let run = domain_on_threads(&refiner, (&ready.domain, &ready.lattice), &parallel);
+        let run = domain_on_threads(&refiner, &ready.domain, &ready.lattice, &parallel);
         let run = run.expect("a mesh");
         assert_eq!(run.refined.outcome, RefineOutcome::Cancelled, "{asked}");
         invariants::check_all(run.refined.mesh()).expect("a sound mesh");

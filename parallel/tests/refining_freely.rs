@@ -6,7 +6,7 @@ use ltbw::domain::Prepared;
 use ltbw::mesh::Layout;
 use ltbw::protocol::Config;
 use ltbw::refine::{RefineOutcome, Refiner};
-use ltbw::refining::{SimulatedDomain, domain_on_threads, simulate_domain};
+use ltbw::refining::{Plan, SimulatedDomain, domain_on_threads, simulate_domain};
 use ltbw::simulate::Options;
 use ltbw::threads::Parallel;
 use ltbw_generate::surfaces::{plate, prism};
@@ -14,9 +14,8 @@ use ltbw_generate::{DomainKind, Shape, generate_domain};
 
 fn simulated(refiner: &Refiner<'_>, ready: &Prepared, processors: u32) -> SimulatedDomain {
     let config = Config { window: 16, ..Config::new(processors) };
-    let layout = |points| (Layout::new(points, processors), config);
-    let whole = (&ready.domain, &ready.lattice);
-    let run = simulate_domain(refiner, whole, &layout, &Options::default());
+    let plan = |points| Plan { layout: Layout::new(points, processors), config };
+    let run = simulate_domain(refiner, &ready.domain, &ready.lattice, &plan, &Options::default());
     run.expect("a run ends")
 }
 
@@ -32,7 +31,7 @@ fn what_nobody_asks_for_is_not_split() {
         let rounds = refiner.refine(whole.0, whole.1).expect("a mesh");
         let run = simulated(&refiner, &ready, 4);
         assert_eq!(run.refined.num_tets(), rounds.num_tets(), "{name}");
-        let run = domain_on_threads(&refiner, whole, &Parallel::new(2)).expect("a mesh");
+        let run = domain_on_threads(&refiner, whole.0, whole.1, &Parallel::new(2)).expect("a mesh");
         assert_eq!(run.refined.num_tets(), rounds.num_tets(), "{name} on threads");
     }
 }

@@ -6,7 +6,8 @@ use ltbw::mesh::{Layout, Ownership, Redeal};
 use ltbw::protocol::{Config, Correct, Rules, WorkerId};
 use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
 use ltbw::refining::{
-    Ending, RefineError, SimulatedRounds, rounds_on_threads, simulate_rounds, simulate_rounds_as,
+    Ending, Plan, RefineError, SimulatedRounds, rounds_on_threads, simulate_rounds,
+    simulate_rounds_as,
 };
 use ltbw::simulate::{Bursts, Network, Options};
 use ltbw::threads::Parallel;
@@ -51,9 +52,9 @@ pub(crate) fn simulated_by<C: Rules>(
 ) -> Result<SimulatedRounds, RefineError> {
     let mut options = options(latency);
     options.check_every = 20_000;
-    let layout = |points| (Layout::new(points, processors), Config::new(processors));
-    let whole = (&ready.domain, &ready.lattice);
-    simulate_rounds_as::<C>(refiner, whole, layout, &options)
+    let plan =
+        |points| Plan { layout: Layout::new(points, processors), config: Config::new(processors) };
+    simulate_rounds_as::<C>(refiner, &ready.domain, &ready.lattice, plan, &options)
 }
 
 pub(crate) fn same(name: &str, one: &Refined, other: &Refined) {
@@ -128,13 +129,13 @@ fn redealt(name: &str, refiner: &Refiner<'_>, ready: &Prepared, engine: &Refined
     if !is_due(2) {
         return;
     }
-    let layout = |points| {
+    let plan = |points| {
         let ownership = Ownership::Creator;
         let layout = Layout { ownership, redeal: Redeal::Every(1), ..Layout::new(points, 5) };
-        (layout, Config::new(5))
+        Plan { layout, config: Config::new(5) }
     };
     let options = Options { check_every: 20_000, ..options(1_200) };
-    let run = simulate_rounds(refiner, whole, &layout, &options).expect("a run ends");
+    let run = simulate_rounds(refiner, whole.0, whole.1, &plan, &options).expect("a run ends");
     same(&format!("{name}, cuts move on processors"), &run.refined, engine);
 }
 
@@ -265,12 +266,11 @@ fn bursts_slow_and_many_processors_change_nothing() {
         (3, Ownership::Block, options(1_000_000_000)),
     ];
     for (processors, ownership, options) in cases {
-        let layout = |points| {
+        let plan = |points| {
             let layout = Layout { ownership, ..Layout::new(points, processors) };
-            (layout, Config::new(processors))
+            Plan { layout, config: Config::new(processors) }
         };
-        let whole = (&ready.domain, &ready.lattice);
-        let run = simulate_rounds(&refiner, whole, &layout, &options);
+        let run = simulate_rounds(&refiner, &ready.domain, &ready.lattice, &plan, &options);
         let run = run.unwrap_or_else(|e| panic!("{processors} {ownership:?}: {e}"));
         same(&format!("{processors} {ownership:?}"), &run.refined, &engine);
     }

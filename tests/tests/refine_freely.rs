@@ -12,7 +12,7 @@ use ltbw::protocol::Config;
 use ltbw::refine::{
     Order, RefineOutcome, RefineStats, Refined, Refiner, Strategy, usual_tolerance,
 };
-use ltbw::refining::{domain_on_threads, simulate_domain};
+use ltbw::refining::{Plan, domain_on_threads, simulate_domain};
 use ltbw::simulate::{Distribution, Network, Options};
 use ltbw::threads::Parallel;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
@@ -57,7 +57,7 @@ impl Table {
         };
         let tets = rounds.num_tets();
         for threads in [2, 4] {
-            let run = domain_on_threads(&refiner, whole, &Parallel::new(threads));
+            let run = domain_on_threads(&refiner, whole.0, whole.1, &Parallel::new(threads));
             let run = run.unwrap_or_else(|error| panic!("{name} on {threads}: {error}"));
             let points: u64 = run.splits.map_or(0, |own| own.inserted.iter().sum());
             check(&format!("{name} on {threads}"), ready, volume, &run.refined);
@@ -162,12 +162,15 @@ fn every_strategy_meets_the_bounds() {
     let whole = (&ready.domain, &ready.lattice);
     let volume = 4e-4;
     let refiner = Refiner::new().max_volume(volume);
-    let layout = |points| (Layout::new(points, 3), Config { window: 16, ..Config::new(3) });
+    let plan = |points| Plan {
+        layout: Layout::new(points, 3),
+        config: Config { window: 16, ..Config::new(3) },
+    };
     let mut hashes = BTreeSet::new();
     for order in Order::ALL {
         for towards in [0.0, Strategy::MOST] {
             let refiner = refiner.strategy(Strategy { order, towards }).start(200);
-            let run = simulate_domain(&refiner, whole, &layout, &Options::default());
+            let run = simulate_domain(&refiner, whole.0, whole.1, &plan, &Options::default());
             let run = run.unwrap_or_else(|error| panic!("{order}, {towards}: {error}"));
             check(&format!("{order}, {towards}"), &ready, Some(volume), &run.refined);
             assert_eq!(run.refined.outcome, RefineOutcome::Met, "{order}, {towards}");
@@ -217,11 +220,11 @@ fn no_timing_makes_far_more_points_than_rounds() {
             let name = format!("{kind} {seed} on {processors}, {distribution:?} {latency} ns");
             let network = Network { latency, distribution, ..Network::default() };
             let options = Options { network, seed, letters: k % 2 == 0, ..Options::default() };
-            let layout = |points| {
+            let plan = |points| {
                 let config = Config { window: 16, ..Config::new(processors) };
-                (Layout::new(points, processors), config)
+                Plan { layout: Layout::new(points, processors), config }
             };
-            let run = simulate_domain(&refiner, whole, &layout, &options);
+            let run = simulate_domain(&refiner, whole.0, whole.1, &plan, &options);
             let run = run.unwrap_or_else(|error| panic!("{name}: {error}"));
             let ratio = made(&run.refined) as f64 / (expected + 20) as f64;
             assert!(ratio < MOST, "{name}: {ratio} times the points of rounds, {:?}", run.splits);

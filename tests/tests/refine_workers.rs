@@ -8,7 +8,7 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::Layout;
 use ltbw::protocol::Config;
 use ltbw::refine::{Refined, Refiner, usual_tolerance};
-use ltbw::refining::{rounds_on_threads, simulate_rounds};
+use ltbw::refining::{Plan, rounds_on_threads, simulate_rounds};
 use ltbw::simulate::{Distribution, Network, Options};
 use ltbw::threads::Parallel;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
@@ -52,9 +52,12 @@ impl<'a> Case<'a> {
             let name = format!("{} on {processors} processors, {law} {latency} ns", self.name);
             let network = Network { latency, distribution, ..Network::default() };
             let options = Options { network, max_events: 1_000_000_000, ..Options::default() };
-            let layout = |points| (Layout::new(points, processors), Config::new(processors));
+            let plan = |points| Plan {
+                layout: Layout::new(points, processors),
+                config: Config::new(processors),
+            };
             let whole = (&self.ready.domain, &self.ready.lattice);
-            let run = simulate_rounds(&self.refiner, whole, &layout, &options);
+            let run = simulate_rounds(&self.refiner, whole.0, whole.1, &plan, &options);
             let run = run.unwrap_or_else(|e| panic!("{name}: {e}"));
             same_refined(&name, &run.refined, &self.engine);
             assert!(run.ending.is_err() || run.figures.points > 0, "{name}");

@@ -15,7 +15,7 @@ use ltbw::mesh::{Layout, Ownership};
 use ltbw::metrics::Summary;
 use ltbw::protocol::{Closure, Config};
 use ltbw::refine::{Order, RefineOutcome, Refiner};
-use ltbw::refining::{Ending, SimulatedRounds, simulate_rounds};
+use ltbw::refining::{Ending, Plan, SimulatedRounds, simulate_rounds};
 use ltbw::simulate::{Around, Options, Whole};
 use ltbw::{Point, canonical_hash};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
@@ -35,21 +35,22 @@ pub(super) fn refiner(args: &Simulate) -> Refiner<'static> {
 }
 
 /// The workers of a run: all points are in the mesh that is distributed.
-pub(super) fn planned(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
+pub(super) fn planned(args: &Simulate, points: usize, processors: u32) -> Plan {
     let (layout, config) = layout(args, points, processors);
     let redeal = args.redeal;
-    (Layout { sample: points, max_in_flight: 0, redeal, ..layout }, config)
+    let layout = Layout { sample: points, max_in_flight: 0, redeal, ..layout };
+    Plan { layout, config }
 }
 
 /// The workers of a run; one on a single processor has settings of its own: it is what others are
 /// compared with.
-pub(super) fn planned_run(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
-    let (layout, config) = planned(args, points, processors);
+pub(super) fn planned_run(args: &Simulate, points: usize, processors: u32) -> Plan {
+    let Plan { layout, config } = planned(args, points, processors);
     if processors > 1 {
-        return (layout, config);
+        return Plan { layout, config };
     }
     let layout = Layout { ownership: Ownership::default(), ..layout };
-    (layout, Config { closure: Closure::default(), ..config })
+    Plan { layout, config: Config { closure: Closure::default(), ..config } }
 }
 
 /// The hash that `mesh` prints: of the domain, without the exterior.
@@ -98,7 +99,7 @@ fn attempt(
     let run = |processors: u32, options: &Options| {
         let planned = |points| planned_run(args, points, processors);
         let _stage = Stage::begin("simulate");
-        simulate_rounds(&refiner, (&ready.domain, &ready.lattice), &planned, options)
+        simulate_rounds(&refiner, &ready.domain, &ready.lattice, &planned, options)
             .map_err(|error| failure_of(path, error))
     };
     let stage = Stage::begin("refine");
@@ -158,7 +159,7 @@ fn tell(
     let by_all = (figures.points + figures.parted_points) as usize;
     let [rounds, segments, facets, inside] = figures.rounds;
     let after = vertices - (refined.stats.round_points + figures.parted_points) as usize;
-    let (layout, config) = planned(args, after, args.processors);
+    let Plan { layout, config } = planned(args, after, args.processors);
     let around = Around {
         points: (vertices - by_all) as u64,
         started: after as u64,

@@ -13,7 +13,7 @@ use crate::rounds::START;
 use ltbw::TetMesh;
 use ltbw::domain::Prepared;
 use ltbw::refine::{RefineOutcome, Refined, Strategy};
-use ltbw::refining::{START_EACH, SimulatedDomain, simulate_domain};
+use ltbw::refining::{Plan, START_EACH, SimulatedDomain, simulate_domain};
 use ltbw::simulate::{Around, Options, Whole};
 use ltbw_verify as verify;
 use std::path::Path;
@@ -45,8 +45,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     let run = |processors: u32, options: &Options| {
         let planned = |points| planned_run(args, points, processors);
         let _stage = Stage::begin("simulate");
-        let domain = (&ready.domain, &ready.lattice);
-        simulate_domain(&refiner, domain, &planned, options)
+        simulate_domain(&refiner, &ready.domain, &ready.lattice, &planned, options)
             .map_err(|error| failure_of(path, error))
     };
     let done = run(args.processors, &options)?;
@@ -63,7 +62,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     let defects = defects(args, &ready, &refined, &inside);
     drop(stage);
     let hash = hash_of(&inside.points, &inside.tets)?;
-    let (layout, config) = planned(args, started, args.processors);
+    let Plan { layout, config } = planned(args, started, args.processors);
     let vertices = refined.mesh().num_vertices();
     let [segments, facets, inner] = splits.inserted;
     let by_all = (segments + facets + inner) as usize;

@@ -70,7 +70,7 @@ impl Inserted {
             let p = state.fill(place, self.next_number);
             self.next_number += 1;
             self.points.count(place.carrier);
-            self.follow(state, (p, place.carrier), filling, bounds, work);
+            self.follow(state, p, filling, bounds, work);
         });
     }
 
@@ -78,13 +78,13 @@ impl Inserted {
     pub(crate) fn fill_vertex(
         &mut self,
         open: OpenCavity<'_, State>,
-        (v, carrier): (VertexId, Carrier),
+        v: VertexId,
         filling: &Filling,
         work: &mut Queues,
     ) {
         open.end(|state| {
             state.fill_vertex(v);
-            self.follow(state, (v, carrier), filling, None, work);
+            self.follow(state, v, filling, None, work);
         });
     }
 
@@ -92,7 +92,7 @@ impl Inserted {
     fn follow(
         &mut self,
         state: &mut State,
-        (p, carrier): (VertexId, Carrier),
+        p: VertexId,
         filling: &Filling,
         bounds: Option<&Bounds<'_>>,
         work: &mut Queues,
@@ -100,7 +100,7 @@ impl Inserted {
         state.relabel_walls(&filling.changes);
         self.created.clear();
         self.created.extend_from_slice(state.mesh.cavity().star().tets);
-        if carrier != Carrier::Free || !filling.changes.is_empty() {
+        if state.carriers[p.index()] != Carrier::Free || !filling.changes.is_empty() {
             self.update_boundary(state, p, filling, work);
         }
         // Labels are inherited; what they have to be is a function of the subfaces alone.
@@ -139,7 +139,8 @@ impl Inserted {
         work: &mut Queues,
     ) {
         state.enter_filling(p, filling);
-        let star: Vec<_> = self.created.iter().map(|&t| (t, state.vertices(t))).collect();
+        let star = self.created.iter().map(|&t| StarTet { t, v: state.vertices(t) });
+        let star: Vec<_> = star.collect();
         let mut missed = Vec::new();
         filling.mark(&star, |t, bits| state.marks.set(t, bits), &mut missed);
         for &item in filling.lost.iter().chain(&missed) {
@@ -148,20 +149,27 @@ impl Inserted {
     }
 }
 
+/// A tetrahedron of a star, with its vertices.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StarTet {
+    pub(crate) t: TetId,
+    pub(crate) v: [VertexId; 4],
+}
+
 impl Filling {
     /// Marks the new subsegments and subfaces at a star of its vertex, which is the first one of
     /// each tetrahedron; tells of those that it has not.
     pub(crate) fn mark(
         &self,
-        star: &[(TetId, [VertexId; 4])],
+        star: &[StarTet],
         mark: impl Fn(TetId, Word),
         missed: &mut Vec<Item>,
     ) {
-        let Some(&(_, [p, ..])) = star.first() else { return };
+        let Some(&StarTet { v: [p, ..], .. }) = star.first() else { return };
         let slot_of = |v: &[VertexId; 4], a| (1..4).find(|&k| v[k] == a);
         for a in self.split.iter().flat_map(|(ends, _)| *ends) {
             let mut is_there = false;
-            for (t, v) in star {
+            for StarTet { t, v } in star {
                 let Some(slot) = slot_of(v, a) else { continue };
                 is_there = true;
                 mark(*t, edge_bit(0, slot));
@@ -175,7 +183,7 @@ impl Filling {
         let mut sorted: Vec<([VertexId; 2], usize)> = rim.iter().copied().zip(0..).collect();
         sorted.sort_unstable();
         let mut is_there = vec![false; rim.len()];
-        for (t, v) in star.iter().filter(|_| !rim.is_empty()) {
+        for StarTet { t, v } in star.iter().filter(|_| !rim.is_empty()) {
             for [i, j] in [[1, 2], [1, 3], [2, 3]] {
                 let key = edge(v[i], v[j]);
                 let first = sorted.partition_point(|(other, _)| *other < key);

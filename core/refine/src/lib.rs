@@ -58,6 +58,8 @@ use ltbw_exact::points::PointError;
 pub use complex::background::{Background, BackgroundError};
 pub use complex::carrier::Carrier;
 pub use complex::marked::Marked;
+#[doc(hidden)]
+pub use mesh::bounds::Solid;
 pub use mesh::bounds::{MOST_SWEEPS, SizeField};
 pub use mesh::item::Item;
 #[doc(hidden)]
@@ -78,7 +80,7 @@ pub use rounds::{InsertOrder, RoundTimes};
 #[doc(hidden)]
 pub use rules::aim::Aim;
 #[doc(hidden)]
-pub use rules::block::{Block, Blocks};
+pub use rules::block::{Block, Blocks, KeptBlock};
 #[doc(hidden)]
 pub use rules::by_values::{OnBoundary, SliverRuling, Survey};
 #[doc(hidden)]

@@ -10,7 +10,6 @@ use crate::mesh::item::Queues;
 use crate::mesh::marks::face_bit;
 use crate::mesh::state::{FACE, State};
 use crate::queue::split::Step;
-use crate::rules::choice::Corner;
 use crate::rules::complex::Complex;
 use crate::table::{Map, Set, sides as sides_of, triangle};
 use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
@@ -212,7 +211,6 @@ fn dust_on_the_inner_side_is_seen_before_it_is_moved() {
     state.settle_all_dust();
     let is_seen = |state: &State, t: TetId, region: u32, unknown: Option<usize>| {
         let corners = state.cornered(state.vertices(t));
-        let corners = corners.map(|(carrier, point)| Corner { carrier, point });
         let beyond = |slot: usize| state.marks.region(state.neighbours(t)[slot]);
         let known = |slot| (Some(slot) != unknown).then(|| beyond(slot));
         complex.may_be_dust(corners, region, known)

@@ -42,7 +42,7 @@ mod wire;
 
 pub use blocks::Blocks;
 #[cfg(feature = "domains")]
-pub(crate) use blocks::Mark;
+pub(crate) use blocks::{Mark, Weight};
 pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;

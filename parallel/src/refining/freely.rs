@@ -8,7 +8,7 @@ mod team;
 pub use team::domain_on_team;
 
 use super::RefineError;
-use super::domain::{BadItems, Begun, DomainMesh, DomainNode, Splits, prepare};
+use super::domain::{BadItems, Begun, DomainMesh, DomainNode, Plan, Splits, prepare};
 use super::whole::{Owners, Part, Whole, put_together};
 use crate::mesh::{Layout, Redeal, SharedInput};
 use crate::metrics::Summary;
@@ -58,6 +58,12 @@ struct Refining<R> {
     told: R,
 }
 
+/// Workers that have run, and what their run has told.
+struct Ran<'a, C: Rules, R> {
+    workers: Vec<DomainNode<'a, C>>,
+    told: R,
+}
+
 /// Workers with their lists, and all that they share.
 ///
 /// # Errors
@@ -65,7 +71,8 @@ struct Refining<R> {
 fn begin<'a, C: Rules>(
     complex: Complex<'a>,
     start: &Start,
-    (layout, config): (Layout, Config),
+    layout: Layout,
+    config: Config,
 ) -> Result<Begun<'a, BadItems, C>, RefineError> {
     // The budget is shared out beforehand: workers do not know what others have made.
     let share = start.most.saturating_sub(start.made()) / u64::from(layout.workers);
@@ -86,7 +93,8 @@ fn begin<'a, C: Rules>(
 fn end(
     delegated: Delegated<'_>,
     parts: Vec<Part>,
-    (common, start): (SharedInput, &Start),
+    common: SharedInput,
+    start: &Start,
 ) -> Result<(Refined, Owners), RefineError> {
     let Whole { mesh, carriers, regions, firsts } = put_together(parts, common, start)?;
     let (asked, candidates, stats) = (Vec::new(), 0, delegated.stats());
@@ -116,19 +124,20 @@ fn end(
 /// Those of `run`; [`RefineError`] if the domain has no mesh.
 fn refine<'a, C: Rules, R>(
     delegated: Delegated<'a>,
-    (complex, start): (Complex<'a>, &Start),
-    plan: (Layout, Config),
-    run: impl FnOnce(Vec<DomainNode<'a, C>>) -> Result<(Vec<DomainNode<'a, C>>, R), RefineError>,
+    complex: Complex<'a>,
+    start: &Start,
+    plan: Plan,
+    run: impl FnOnce(Vec<DomainNode<'a, C>>) -> Result<Ran<'a, C, R>, RefineError>,
 ) -> Result<Refining<R>, RefineError> {
-    let (workers, common) = begin::<C>(complex, start, plan)?;
+    let (workers, common) = begin::<C>(complex, start, plan.layout, plan.config)?;
     let (mut splits, mut parts) = (Splits::default(), Vec::new());
-    let (workers, told) = run(workers)?;
+    let Ran { workers, told } = run(workers)?;
     for worker in workers {
         let (mesh, source, _) = worker.into_parts();
         splits.add(&source.splits);
         parts.push(Part::of(mesh));
     }
-    let (refined, owners) = end(delegated, parts, (common, start))?;
+    let (refined, owners) = end(delegated, parts, common, start)?;
     Ok(Refining { refined, splits, owners, told })
 }
 
@@ -139,11 +148,12 @@ fn refine<'a, C: Rules, R>(
 /// [`RefineError`] if the domain has no mesh, or if the run has not ended properly.
 pub fn simulate_domain(
     refiner: &Refiner<'_>,
-    whole: (&Domain, &Lattice),
-    layout: &dyn Fn(usize) -> (Layout, Config),
+    domain: &Domain,
+    lattice: &Lattice,
+    plan: &dyn Fn(usize) -> Plan,
     options: &Options,
 ) -> Result<SimulatedDomain, RefineError> {
-    simulate_domain_as::<Correct>(refiner, whole, layout, options)
+    simulate_domain_as::<Correct>(refiner, domain, lattice, plan, options)
 }
 
 /// As [`simulate_domain`], under other rules: a known-bad variant, for checkers.
@@ -153,8 +163,9 @@ pub fn simulate_domain(
 #[doc(hidden)]
 pub fn simulate_domain_as<C: Rules>(
     refiner: &Refiner<'_>,
-    (domain, lattice): (&Domain, &Lattice),
-    layout: impl Fn(usize) -> (Layout, Config),
+    domain: &Domain,
+    lattice: &Lattice,
+    plan: impl Fn(usize) -> Plan,
     options: &Options,
 ) -> Result<SimulatedDomain, RefineError> {
     let delegated = refiner.delegate(domain, lattice)?;
@@ -162,10 +173,10 @@ pub fn simulate_domain_as<C: Rules>(
     let run = |workers| {
         let run = simulate(workers, options).map_err(MeshError::from)?;
         let Simulation { workers, summary, events, .. } = run;
-        Ok((workers, (summary, events)))
+        Ok(Ran { workers, told: (summary, events) })
     };
     let started = start.points.len();
-    let done = refine::<C, _>(delegated, (complex, &start), layout(started), run)?;
+    let done = refine::<C, _>(delegated, complex, &start, plan(started), run)?;
     let Refining { refined, splits, told: (summary, events), .. } = done;
     Ok(SimulatedDomain { refined, splits, started, summary, events })
 }
@@ -178,7 +189,8 @@ pub fn simulate_domain_as<C: Rules>(
 /// [`RefineError`] if the domain has no mesh, or if a worker has failed.
 pub fn domain_on_threads(
     refiner: &Refiner<'_>,
-    (domain, lattice): (&Domain, &Lattice),
+    domain: &Domain,
+    lattice: &Lattice,
     parallel: &Parallel<'_>,
 ) -> Result<ThreadedDomain, RefineError> {
     let config = parallel.config();
@@ -192,9 +204,12 @@ pub fn domain_on_threads(
             return Ok(ThreadedDomain { refined, workers: Vec::new(), owners, splits: Err(unfit) });
         }
     };
-    let run = |nodes| Ok(parallel.run_workers(nodes)?.into_iter().unzip());
-    let layout = (parallel.plan_for(start.points.len()), config);
-    let done = refine::<Correct, _>(delegated, (complex, &start), layout, run)?;
+    let run = |nodes| {
+        let (workers, told) = parallel.run_workers(nodes)?.into_iter().unzip();
+        Ok(Ran { workers, told })
+    };
+    let plan = Plan { layout: parallel.plan_for(start.points.len()), config };
+    let done = refine::<Correct, _>(delegated, complex, &start, plan, run)?;
     let Refining { refined, splits, owners, told: workers } = done;
     Ok(ThreadedDomain { refined, workers, owners, splits: Ok(splits) })
 }

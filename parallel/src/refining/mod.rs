@@ -11,7 +11,8 @@ mod rounds;
 mod whole;
 
 pub use domain::{
-    BadItems, DomainCargo, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, Splits,
+    BadItems, DomainCargo, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, Plan,
+    Splits,
 };
 #[cfg(feature = "wire")]
 pub use freely::domain_on_team;
@@ -29,8 +30,8 @@ pub use rounds::{
     Wishes, rounds_on_team,
 };
 pub use rounds::{
-    Ending, Late, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN,
-    ThreadedRounds, Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds,
+    Ending, InnerCandidate, Late, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step,
+    TAKEN, ThreadedRounds, Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds,
     simulate_rounds_as, unkilled,
 };
 pub use whole::Owners;

@@ -89,7 +89,7 @@ impl WireLimit {
 /// A refusal in a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
-pub struct WireRefusal {
+pub(crate) struct WireRefusal {
     reason: Reason,
     limit: Option<WireLimit>,
 }
@@ -101,6 +101,20 @@ impl WireRefusal {
 
     pub(crate) fn refusal(self) -> Refusal {
         Refusal { reason: self.reason, limit: self.limit.map(WireLimit::limit) }
+    }
+}
+
+/// A boundary item that is refused, or is not any more, in a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
+pub struct WireItemRefusal {
+    pub(crate) place: ItemPlace,
+    pub(crate) why: Option<WireRefusal>,
+}
+
+impl WireItemRefusal {
+    pub(crate) fn new(place: ItemPlace, why: Option<Refusal>) -> Self {
+        Self { place, why: why.map(WireRefusal::new) }
     }
 }
 
@@ -370,7 +384,7 @@ pub enum DomainNews {
     /// The item that this one waits for is gone, or refused.
     Release(ItemPlace),
     /// Boundary items that the sender keeps were refused, or are not any more.
-    Refused(Vec<(ItemPlace, Option<WireRefusal>)>),
+    Refused(Vec<WireItemRefusal>),
     /// Tetrahedra beside the blocks with these subfaces are gone, or will be.
     Unblocked(Vec<ItemPlace>),
     /// A boundary item of the sender's list is split, or cannot be: the items that wait for it are

@@ -51,13 +51,14 @@ pub(super) struct Collected<L> {
 }
 
 impl<L: Serialize + DeserializeOwned> Collected<L> {
-    /// Collects them at the first member, whose own part is given.
+    /// Collects them at the first member, whose own part is given, with the work that it leaves.
     ///
     /// # Errors
     /// [`RefineError`] if a member has failed, or has sent what makes no sense.
     pub(super) fn at_first(
         team: &mut Team,
-        own: (Part, L),
+        own: Part,
+        left: L,
         own_stats: WorkerStats,
         common: &SharedInput,
     ) -> Result<Self, RefineError> {
@@ -69,8 +70,8 @@ impl<L: Serialize + DeserializeOwned> Collected<L> {
             rest.push((parcel.made, parcel.regions, parcel.left));
         }
         // The coordinates at the start are those that the kernel computes with.
-        let meshes = put_back(shares, &own.0.mesh, common, Mode::Normal).map_err(RunError::from)?;
-        let mut parts = vec![own];
+        let meshes = put_back(shares, &own.mesh, common, Mode::Normal).map_err(RunError::from)?;
+        let mut parts = vec![(own, left)];
         for (mesh, (made, mut regions, left)) in meshes.into_iter().zip(rest) {
             regions.resize(mesh.tets().topology().slots(), 0);
             parts.push((Part { mesh, made, regions }, left));

@@ -9,7 +9,6 @@ const PARAMETERS: usize = 5;
 /// The signature of a function with a name.
 struct Signature<'t> {
     name: &'t str,
-    line: usize,
     /// The types of its parameters, without `self`.
     types: Vec<&'t [Token]>,
 }
@@ -21,15 +20,13 @@ pub(crate) fn many_parameters(tree: &Tree) -> Vec<String> {
 }
 
 /// Functions with a tuple among the types of their parameters, whose members want names:
-/// `file:line: name`. The function `from` of a conversion has the tuple to whose members it gives
+/// `file: name`. The function `from` of a conversion has the tuple to whose members it gives
 /// names.
 pub(crate) fn tuples(tree: &Tree) -> Vec<String> {
     let is_one = |function: &Signature<'_>| {
         function.name != "from" && function.types.iter().any(|tokens| has_tuple(tokens))
     };
-    found(tree, |file, function| {
-        is_one(function).then(|| format!("{file}:{}: {}", function.line, function.name))
-    })
+    found(tree, |file, function| is_one(function).then(|| format!("{file}: {}", function.name)))
 }
 
 fn found(tree: &Tree, told: impl Fn(&str, &Signature<'_>) -> Option<String>) -> Vec<String> {
@@ -59,7 +56,7 @@ fn signature(tokens: &[Token], k: usize) -> Option<Signature<'_>> {
     };
     let parts = parted(&tokens[open + 1..closing(tokens, open)]);
     let types = parts.into_iter().filter_map(|part| part.get(type_of(part)?..)).collect();
-    Some(Signature { name: &name.text, line: name.line, types })
+    Some(Signature { name: &name.text, types })
 }
 
 /// Is there a tuple of two or more in a type? The parameters of a closure are none.
@@ -121,8 +118,7 @@ fn functions_with_many_parameters_are_found() {
 #[test]
 fn tuples_in_parameters_are_found() {
     let found = |text: &str| tuples(&Tree::of(&[("cli/src/lib.rs", text)]));
-    let of =
-        |parameters: &str| found(&format!("\ntrait A {{ fn f<T>({parameters}) -> (u8, u8); }}"));
+    let of = |parameters: &str| found(&format!("trait A {{ fn f<T>({parameters}) -> (u8, u8); }}"));
     for wrong in [
         "&self, (a, b): (u8, u8)",
         "a: &[(u8, T)]",
@@ -132,7 +128,7 @@ fn tuples_in_parameters_are_found() {
         "a: impl Fn((u8, u8)) -> u8",
         "a: Option<(u8, Option<u8>)>",
     ] {
-        assert_eq!(of(wrong), ["cli/src/lib.rs:2: f"], "{wrong}");
+        assert_eq!(of(wrong), ["cli/src/lib.rs: f"], "{wrong}");
     }
     for fine in [
         "",

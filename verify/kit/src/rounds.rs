@@ -5,7 +5,7 @@ use crate::{Case, File, write};
 use ltbw::Point;
 use ltbw::protocol::{Correct, WorkerId};
 use ltbw::refine::{BoundaryItem, Carrier, Corner, Keys, Rank, Ranked};
-use ltbw::refining::{Step, Sums, Tree, is_quiet, unkilled};
+use ltbw::refining::{InnerCandidate, Step, Sums, Tree, is_quiet, unkilled};
 use ltbw::topology::TetId;
 use ltbw_tests::families::Rng;
 use serde_json::{Value, json};
@@ -168,11 +168,11 @@ type Candidate = ([Point; 4], u32, Vec<u32>);
 
 /// The candidates that none before them kills. The twin compares all pairs.
 fn kill(name: &str, flags: &[&'static str], candidates: &[Candidate]) -> Case {
-    let given: Vec<(Rank, TetId, Vec<TetId>)> = candidates
+    let given: Vec<InnerCandidate> = candidates
         .iter()
         .map(|(corners, own, cavity)| {
-            let slots = cavity.iter().copied().map(TetId::new).collect();
-            (Rank::of_tet(*corners), TetId::new(*own), slots)
+            let cavity = cavity.iter().copied().map(TetId::new).collect();
+            InnerCandidate { rank: Rank::of_tet(*corners), own: TetId::new(*own), cavity }
         })
         .collect();
     let chosen = unkilled(&given);

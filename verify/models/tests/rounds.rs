@@ -8,7 +8,7 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::Layout;
 use ltbw::protocol::{Config, Correct, Rules};
 use ltbw::refine::{Refined, Refiner};
-use ltbw::refining::{Ending, simulate_rounds_as};
+use ltbw::refining::{Ending, Plan, simulate_rounds_as};
 use ltbw::simulate::{Network, Options};
 use ltbw_generate::layers::stack;
 use ltbw_generate::plates::{Plates, plates};
@@ -110,9 +110,10 @@ fn run<C: Rules>(case: &Case, (processors, latency): (u32, u64)) -> Result<(), S
     let Patience { events: max_events, nanos, latencies } = case.patience;
     let patience = nanos + latencies * latency;
     let options = Options { network, max_events, patience, ..Options::default() };
-    let layout = |points| (Layout::new(points, processors), Config::new(processors));
-    let whole = (&case.ready.domain, &case.ready.lattice);
-    match simulate_rounds_as::<C>(&case.refiner, whole, layout, &options) {
+    let plan =
+        |points| Plan { layout: Layout::new(points, processors), config: Config::new(processors) };
+    let (domain, lattice) = (&case.ready.domain, &case.ready.lattice);
+    match simulate_rounds_as::<C>(&case.refiner, domain, lattice, plan, &options) {
         Ok(run) if hash(&run.refined) != case.expected => Err("another mesh".to_owned()),
         // Of two points in one place one is as good as both: the mesh does not show it.
         Ok(run) if run.refined.stats.round_points != case.points => Err("other points".to_owned()),

@@ -6,7 +6,7 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct, Rules};
 use ltbw::refine::Refiner;
-use ltbw::refining::{RefineError, simulate_domain_as};
+use ltbw::refining::{Plan, RefineError, simulate_domain_as};
 use ltbw::simulate::{MeshError, Network, Options, RandomMigrations, SimulationError, simulate_as};
 use ltbw::{Builder, MeshHash, PointSet};
 use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain};
@@ -181,15 +181,15 @@ fn block_that_left_taken_for_ones_own() {
 /// The points that 12 processors with 300 µs between them make of the paper's cube and octahedron,
 /// with the number of events; `Err` if they need more than `most`.
 fn refined<C: Rules>(ready: &Prepared, most: u64) -> Result<(usize, u64), RefineError> {
-    let layout = |points| {
+    let plan = |points| {
         let layout = Layout { ownership: Ownership::Newest, ..Layout::new(points, 12) };
-        (layout, Config { window: 32, ..Config::new(12) })
+        Plan { layout, config: Config { window: 32, ..Config::new(12) } }
     };
     let network = Network { latency: 300_000, ..Network::default() };
     let options = Options { network, max_events: most, ..Options::default() };
     let refiner = Refiner::new().max_volume(1e-4).start(0);
-    let domain = (&ready.domain, &ready.lattice);
-    let run = simulate_domain_as::<C>(&refiner, domain, layout, &options)?;
+    let (domain, lattice) = (&ready.domain, &ready.lattice);
+    let run = simulate_domain_as::<C>(&refiner, domain, lattice, plan, &options)?;
     Ok((run.refined.mesh().num_vertices(), run.events))
 }
 

@@ -30,6 +30,17 @@ impl Carrier {
     }
 }
 
+/// A vertex.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Corner {
+    /// Its coordinates.
+    pub point: Point,
+    /// Where it lives.
+    pub carrier: Carrier,
+}
+
 /// A point at which a segment is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Cut {

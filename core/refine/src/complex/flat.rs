@@ -46,6 +46,14 @@ pub(crate) struct Group {
     pub(crate) axis: usize,
 }
 
+/// A polygon of a patch, as it is turned in it.
+#[derive(Clone, Debug)]
+struct Joined {
+    /// Its place among all polygons.
+    place: usize,
+    polygon: Polygon,
+}
+
 /// An edge of polygons.
 #[derive(Default)]
 struct Uses {
@@ -134,12 +142,12 @@ pub(crate) fn patches(
         folds += usize::from(search.folds(&list, &base, &tolerance));
         free[first] = false;
         let first = Base::of(&polygons[first], corners);
-        for &(k, _) in &list {
-            free[k] = false;
+        for joined in &list {
+            free[joined.place] = false;
         }
         let level = |v: &u32| first.height(&corners[*v as usize]) == 0;
-        if !list.iter().all(|(_, polygon)| polygon.corners.iter().all(level)) {
-            let polygons = list.into_iter().map(|(_, polygon)| polygon).collect();
+        if !list.iter().all(|joined| joined.polygon.corners.iter().all(level)) {
+            let polygons = list.into_iter().map(|joined| joined.polygon).collect();
             groups.push(Group { polygons, axis: base.axis });
         }
     }
@@ -170,8 +178,8 @@ impl Base {
     }
 
     /// The plane through the same point that is normal to the sum of the polygons' normals.
-    fn fitted(&self, list: &[(usize, Polygon)]) -> Self {
-        let sum = [0, 1, 2].map(|k| list.iter().map(|(_, p)| p.normal[k]).sum::<i128>());
+    fn fitted(&self, list: &[Joined]) -> Self {
+        let sum = [0, 1, 2].map(|k| list.iter().map(|own| own.polygon.normal[k]).sum::<i128>());
         let largest = sum.iter().map(|c| c.unsigned_abs()).max().unwrap_or(0);
         let bits = 128 - largest.leading_zeros() as i32;
         // Rounded towards zero, so that it does not matter how long the steps are.
@@ -198,7 +206,7 @@ struct Search<'s> {
 
 impl Search<'_> {
     /// The polygons that belong to the patch of `base` and the first one, as they are turned in it.
-    fn spread(&self, first: usize, base: &Base, tolerance: &Tolerance) -> Vec<(usize, Polygon)> {
+    fn spread(&self, first: usize, base: &Base, tolerance: &Tolerance) -> Vec<Joined> {
         let mut start = self.polygons[first].clone();
         if start.normal[base.axis] < 0 {
             start.turn();
@@ -207,15 +215,16 @@ impl Search<'_> {
             return Vec::new();
         }
         let mut seen: Set<usize> = [first].into_iter().collect();
-        let mut list = vec![(first, start)];
+        let mut list = vec![Joined { place: first, polygon: start }];
         let mut next = 0;
         // Breadth first; each polygon enters once.
-        while let Some((k, polygon)) = list.get(next).cloned() {
+        while let Some(own) = list.get(next).cloned() {
             next += 1;
-            for (other, joined) in self.beside(k, &polygon) {
-                if !seen.contains(&other) && joined.fits(base, self.corners, tolerance) {
-                    seen.insert(other);
-                    list.push((other, joined));
+            for joined in self.beside(&own) {
+                let is_new = !seen.contains(&joined.place);
+                if is_new && joined.polygon.fits(base, self.corners, tolerance) {
+                    seen.insert(joined.place);
+                    list.push(joined);
                 }
             }
         }
@@ -223,29 +232,27 @@ impl Search<'_> {
     }
 
     /// The free polygons across the edges of a polygon, turned as it is.
-    fn beside<'a>(
-        &'a self,
-        k: usize,
-        polygon: &'a Polygon,
-    ) -> impl Iterator<Item = (usize, Polygon)> + 'a {
-        let ring = &polygon.corners;
+    fn beside<'a>(&'a self, own: &'a Joined) -> impl Iterator<Item = Joined> + 'a {
+        let ring = &own.polygon.corners;
         ring.iter().enumerate().filter_map(move |(i, &a)| {
             let b = ring[(i + 1) % ring.len()];
-            let other = across(self.uses, self.domain, [a, b], k).filter(|o| self.free[*o])?;
-            let mut joined = self.polygons[other].clone();
-            if joined.runs(a, b) {
-                joined.turn();
+            let across = across(self.uses, self.domain, [a, b], own.place);
+            let place = across.filter(|other| self.free[*other])?;
+            let mut polygon = self.polygons[place].clone();
+            if polygon.runs(a, b) {
+                polygon.turn();
             }
-            Some((other, joined))
+            Some(Joined { place, polygon })
         })
     }
 
     /// Does the patch end at a free polygon within the tolerance that would fold over it?
-    fn folds(&self, list: &[(usize, Polygon)], base: &Base, tolerance: &Tolerance) -> bool {
-        let inside: Set<usize> = list.iter().map(|(k, _)| *k).collect();
-        let mut ends = list.iter().flat_map(|(k, polygon)| self.beside(*k, polygon));
-        ends.any(|(other, joined)| {
-            !inside.contains(&other) && joined.is_within(base, self.corners, tolerance)
+    fn folds(&self, list: &[Joined], base: &Base, tolerance: &Tolerance) -> bool {
+        let inside: Set<usize> = list.iter().map(|own| own.place).collect();
+        let mut ends = list.iter().flat_map(|own| self.beside(own));
+        ends.any(|joined| {
+            !inside.contains(&joined.place)
+                && joined.polygon.is_within(base, self.corners, tolerance)
         })
     }
 }

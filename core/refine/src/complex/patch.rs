@@ -17,6 +17,12 @@ pub(crate) struct Sides {
     pub(crate) upwards: bool,
 }
 
+/// A polygon of a patch by its corners, with its own plane.
+pub(crate) struct Piece {
+    pub(crate) corners: Vec<u32>,
+    pub(crate) plane: Plane,
+}
+
 /// Polygons that are coplanar within the tolerance.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
@@ -64,24 +70,19 @@ pub(crate) fn flat(axis: usize, p: &Point) -> Flat {
 }
 
 impl Patch {
-    pub(crate) fn new(
-        corners: &[Grid],
-        first: u32,
-        axis: usize,
-        polygons: Vec<(Vec<u32>, Plane)>,
-    ) -> Self {
+    pub(crate) fn new(corners: &[Grid], first: u32, axis: usize, polygons: &[Piece]) -> Self {
         let project = |v: &u32| {
             let p = corners[*v as usize];
             [(axis + 1) % 3, (axis + 2) % 3].map(|k| i128::from(p[k]) * i128::from(UNIT))
         };
         let pieces: Vec<(Vec<Flat>, Plane)> = polygons
             .iter()
-            .map(|(ring, plane)| (ring.iter().map(project).collect(), *plane))
+            .map(|own| (own.corners.iter().map(project).collect(), own.plane))
             .collect();
         let all = || pieces.iter().flat_map(|(ring, _)| ring);
         let low = [0, 1].map(|k| all().map(|p| p[k]).min().unwrap_or(0));
         let high = [0, 1].map(|k| all().map(|p| p[k]).max().unwrap_or(0));
-        let sides = outline(&polygons);
+        let sides = outline(polygons);
         let outline: Vec<[Flat; 2]> = sides.iter().map(|s| s.map(|v| project(&v))).collect();
         let height = |v: u32| corner_point(&corners[v as usize])[axis];
         let heights = sides.into_iter().map(|side| side.map(height)).collect();
@@ -228,12 +229,12 @@ impl Patch {
 }
 
 /// The sides that one polygon has.
-fn outline(polygons: &[(Vec<u32>, Plane)]) -> Vec<[u32; 2]> {
+fn outline(polygons: &[Piece]) -> Vec<[u32; 2]> {
     let sides = |ring: &Vec<u32>| {
         let ring = ring.clone();
         (0..ring.len()).map(move |k| edge(ring[k], ring[(k + 1) % ring.len()]))
     };
-    let mut all: Vec<[u32; 2]> = polygons.iter().flat_map(|(ring, _)| sides(ring)).collect();
+    let mut all: Vec<[u32; 2]> = polygons.iter().flat_map(|own| sides(&own.corners)).collect();
     all.sort_unstable();
     all.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect()
 }

@@ -6,7 +6,7 @@
 
 use super::carrier::{Carrier, Cut, Grid, Line, Plane, corner_point};
 use super::flat::{self, Polygon};
-use super::patch::Patch;
+use super::patch::{Patch, Piece};
 use crate::RefineError;
 use crate::heed::Heed;
 use crate::table::{Map, Set, edge};
@@ -185,7 +185,7 @@ impl Plc {
                 plc.facets[group as usize].parts.push(part);
             }
         }
-        plc.join_edges(&domain.segments);
+        plc.join_edges(domain.segments.iter().map(|drawn| drawn.0));
         plc.join_corners(&groups);
         plc.join_points(domain, lattice)?;
         Ok(plc)
@@ -212,13 +212,14 @@ impl Plc {
             let mut pieces = Vec::new();
             for Polygon { facet, corners, .. } in &group.polygons {
                 let polygons = [corners.clone()];
-                pieces.push((corners.clone(), self.plane_of(*facet, &polygons)?.1));
+                let plane = self.plane_of(*facet, &polygons)?.1;
+                pieces.push(Piece { corners: corners.clone(), plane });
                 taken.insert(*facet);
             }
-            let Some(&(_, plane)) = pieces.first() else { continue };
+            let Some(&Piece { plane, .. }) = pieces.first() else { continue };
             let marker = domain.facets[first as usize].marker;
             let polygons = group.polygons.into_iter().map(|p| p.corners).collect();
-            let patch = Patch::new(&self.corners, first, group.axis, pieces);
+            let patch = Patch::new(&self.corners, first, group.axis, &pieces);
             let mut facet = Facet::new(plane, Some(patch));
             facet.parts.push(Part { polygons, holes: Vec::new(), marker, facet: first });
             self.facets.push(facet);
@@ -269,8 +270,8 @@ impl Plc {
         Ok(((n, level(&n, &origin)), Plane::through(origin, far, wide)))
     }
 
-    /// Finds the segments among the edges of all polygons.
-    fn join_edges(&mut self, drawn: &[([u32; 2], i32)]) {
+    /// Finds the segments among the edges of all polygons, and those that are drawn.
+    fn join_edges(&mut self, drawn: impl Iterator<Item = [u32; 2]>) {
         let mut uses: Map<[u32; 2], Uses> = Map::default();
         let mut order = Vec::new();
         let mut touch = |a: u32, b: u32, use_it: &mut dyn FnMut(&mut Uses)| {
@@ -298,7 +299,7 @@ impl Plc {
                 }
             }
         }
-        for &([a, b], _) in drawn {
+        for [a, b] in drawn {
             touch(a, b, &mut |uses| uses.drawn = true);
         }
         for key in order {

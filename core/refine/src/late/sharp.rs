@@ -18,7 +18,7 @@
 //! segment for a reason. Before, it was split for some levels, each of which left as many excused.
 
 use crate::complex::angles::Angles;
-use crate::complex::carrier::Carrier;
+use crate::complex::carrier::{Carrier, Corner};
 use crate::complex::measure::circumcircle;
 use crate::complex::plc::Plc;
 use crate::mesh::bounds::Bounds;
@@ -29,7 +29,6 @@ use crate::queue::split::Refinement;
 use crate::table::edge;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_domain::vector::distance2;
-use ltbw_exact::Point;
 
 /// The vertices of a tetrahedron but for one.
 const REST: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
@@ -50,7 +49,7 @@ impl State {
     pub(crate) fn asks_for_shape(&self, v: [VertexId; 4], bounds: &Bounds<'_>) -> Option<Reason> {
         let corners = self.cornered(v);
         let of = |[j, k]: [usize; 2]| self.segments.get(&edge(v[j], v[k])).copied();
-        self.angles.beyond_help(&self.plc, (&corners, of), bounds)
+        self.angles.beyond_help(&self.plc, &corners, of, bounds)
     }
 
     /// The small angle at which a subsegment is, or that it and others displace each other.
@@ -66,8 +65,8 @@ impl State {
     }
 
     /// Some vertices, each with where it lives.
-    pub(crate) fn cornered(&self, v: [VertexId; 4]) -> [(Carrier, Point); 4] {
-        v.map(|v| (self.carriers[v.index()], self.at(v)))
+    pub(crate) fn cornered(&self, v: [VertexId; 4]) -> [Corner; 4] {
+        v.map(|v| self.corner(v))
     }
 
     /// The segment in whose collar a tetrahedron is for this bound on its shape.
@@ -76,9 +75,6 @@ impl State {
     }
 }
 
-/// The corners of a tetrahedron.
-type Corners = [(Carrier, Point); 4];
-
 impl Angles {
     /// The corner or segment because of which splitting a tetrahedron with these corners is no
     /// help, if it is over its bound of shape only; `of` tells the segment of an edge that is a
@@ -86,7 +82,8 @@ impl Angles {
     pub(crate) fn beyond_help(
         &self,
         plc: &Plc,
-        (corners, of): (&Corners, impl Fn([usize; 2]) -> Option<u32>),
+        corners: &[Corner; 4],
+        of: impl Fn([usize; 2]) -> Option<u32>,
         bounds: &Bounds<'_>,
     ) -> Option<Reason> {
         if self.is_empty() {
@@ -101,7 +98,7 @@ impl Angles {
     /// are long.
     fn tip(
         &self,
-        corners: &Corners,
+        corners: &[Corner; 4],
         of: impl Fn([usize; 2]) -> Option<u32>,
         bound: f64,
     ) -> Option<Reason> {
@@ -110,13 +107,13 @@ impl Angles {
             if s == r || !self.is_tip(s, r, corner) {
                 return false;
             }
-            let [o, a, b] = [apex, ends[0], ends[1]].map(|k| corners[k].1);
+            let [o, a, b] = [apex, ends[0], ends[1]].map(|k| corners[k].point);
             let side = distance2(&a, &b);
             side <= distance2(&o, &a).min(distance2(&o, &b))
                 && circumcircle(&a, &b, &o).1 > bound * bound * side
         };
         (0..4).find_map(|k| {
-            let Carrier::Corner(corner) = corners[k].0 else { return None };
+            let Carrier::Corner(corner) = corners[k].carrier else { return None };
             let [a, b, c] = REST[k];
             let pairs = [[a, b], [b, c], [c, a]];
             let reason = Reason::SmallFaceAngle { corner };
@@ -126,17 +123,17 @@ impl Angles {
 
     /// The segment in whose collar a tetrahedron is for this bound on its shape: all its vertices
     /// are on two facets that meet there, some on each alone, and some on the segment.
-    pub(crate) fn collar(&self, plc: &Plc, corners: &Corners, bound: f64) -> Option<Reason> {
+    pub(crate) fn collar(&self, plc: &Plc, corners: &[Corner; 4], bound: f64) -> Option<Reason> {
         let limit = 1.0 / (16.0 * bound * bound);
         let is_in = |[f, g]: [u32; 2]| {
-            let sides = corners.map(|(own, _)| [plc.lies_on(own, f), plc.lies_on(own, g)]);
+            let sides = corners.map(|own| [f, g].map(|f| plc.lies_on(own.carrier, f)));
             sides.iter().all(|side| *side != [false, false])
                 && sides.contains(&[true, false])
                 && sides.contains(&[false, true])
                 && sides.contains(&[true, true])
         };
-        corners.iter().find_map(|(own, _)| {
-            let segments = match own {
+        corners.iter().find_map(|own| {
+            let segments = match &own.carrier {
                 Carrier::Segment(s, _) => std::slice::from_ref(s),
                 Carrier::Corner(c) => plc.segments_at[*c as usize].as_slice(),
                 Carrier::Facet(_) | Carrier::Free => return None,

@@ -24,8 +24,8 @@ impl Refinement<'_> {
         }
         thin.retain(|&(t, v)| state.is_live(t, v));
         let is_open = |t: TetId, v| {
-            let whole = (&*state.plc, &*state.angles);
-            is_open_sliver(whole, bounds, &state.cornered(v), state.marks.region(t))
+            let (corners, region) = (state.cornered(v), state.marks.region(t));
+            is_open_sliver(&state.plc, &state.angles, bounds, &corners, region)
         };
         let mut slivers: Vec<Thin> = thin.iter().copied().filter(|&(t, v)| is_open(t, v)).collect();
         slivers.sort_by_cached_key(|&(t, v)| state.place_of(Item::Tet(t, v)));

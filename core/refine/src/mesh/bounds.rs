@@ -203,7 +203,8 @@ impl Bounds<'_> {
         let inside = tets.filter_map(|t| {
             let (v, region) = (state.vertices(t), state.marks.region(t));
             let is_inside = region != 0 && v[3] != INFINITE;
-            is_inside.then(|| ((t, v), v.map(|v| state.at(v)), region))
+            let corners = || v.map(|v| state.at(v));
+            is_inside.then(|| Solid { tet: (t, v), corners: corners(), region })
         });
         let all = self.over_among(inside, |own| thin.push(own));
         all.filter(|&(_, v)| !state.is_flat(v))
@@ -215,7 +216,7 @@ impl Bounds<'_> {
     #[inline(always)]
     pub(crate) fn over_among<'b, T: Copy + Default + 'b>(
         &'b self,
-        mut tets: impl Iterator<Item = (T, [Point; 4], u32)> + 'b,
+        mut tets: impl Iterator<Item = Solid<T>> + 'b,
         mut thin: impl FnMut(T) + 'b,
     ) -> impl Iterator<Item = T> + 'b {
         let (mut four, mut own) = (Four::default(), [T::default(); 4]);
@@ -223,7 +224,7 @@ impl Bounds<'_> {
         std::iter::from_fn(move || {
             while over == 0 && !is_done {
                 four.clear();
-                for (to, (tet, corners, region)) in own.iter_mut().zip(tets.by_ref()) {
+                for (to, Solid { tet, corners, region }) in own.iter_mut().zip(tets.by_ref()) {
                     *to = tet;
                     four.push(corners, region);
                 }
@@ -258,14 +259,14 @@ impl Bounds<'_> {
     /// one alone counts along facets.
     pub(crate) fn limit(&self, state: &State, t: TetId, shape: &Shape) -> Limit {
         let corners = state.vertices(t).map(|v| state.at(v));
-        let at = (corners.each_ref(), state.marks.region(t));
-        self.limit_in(at, shape, &state.angles)
+        self.limit_in(corners.each_ref(), state.marks.region(t), shape, &state.angles)
     }
 
     /// The edges that splitting a tetrahedron with these corners in a region may go down to.
     pub(crate) fn limit_in(
         &self,
-        (corners, region): ([&Point; 4], u32),
+        corners: [&Point; 4],
+        region: u32,
         shape: &Shape,
         angles: &Angles,
     ) -> Limit {
@@ -326,6 +327,18 @@ impl Bounds<'_> {
         }
         Ok(())
     }
+}
+
+/// A tetrahedron of the domain by values.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Solid<T> {
+    /// The tetrahedron.
+    pub tet: T,
+    /// Its corners, positively oriented.
+    pub corners: [Point; 4],
+    /// Its region.
+    pub region: u32,
 }
 
 /// The numbers of the bits of a mask of four.

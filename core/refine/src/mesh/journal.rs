@@ -8,6 +8,13 @@ use ltbw_core::topology::{TetId, VertexId};
 use ltbw_core::undo::Undo;
 use ltbw_exact::Point;
 
+/// The limit that an item had before another one was set.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LimitBefore {
+    pub(crate) item: Item,
+    pub(crate) limit: Option<Limit>,
+}
+
 /// The changes of a joint step so far.
 #[derive(Debug, Default)]
 pub(crate) struct Journal {
@@ -16,7 +23,7 @@ pub(crate) struct Journal {
     /// Are subfaces split opposite to its points?
     pub(crate) is_opposite: bool,
     /// Limits that were set, each as it was before.
-    pub(crate) limits: Vec<(Item, Option<Limit>)>,
+    pub(crate) limits: Vec<LimitBefore>,
     /// The points inserted, and where they live.
     pub(crate) points: Vec<(Point, Carrier)>,
     /// The insertions, each with the marks of its cavity.

@@ -11,7 +11,7 @@
 
 use super::marks::{ENDS, edge_bit, face_bit};
 use super::state::{FACE, State};
-use crate::complex::carrier::{Carrier, corner_point};
+use crate::complex::carrier::{Carrier, Corner, corner_point};
 use crate::complex::plc::Plc;
 use crate::table::{self, Map, Set, edge, triangle};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
@@ -67,8 +67,8 @@ impl Names {
     }
 
     /// The facet that a triangle of the mesh is on, if it is a subface, but not of a patch.
-    pub(crate) fn facet(&self, plc: &Plc, corners: [(Carrier, Point); 3]) -> Option<u32> {
-        let carriers = corners.map(|(carrier, _)| carrier);
+    pub(crate) fn facet(&self, plc: &Plc, corners: [Corner; 3]) -> Option<u32> {
+        let carriers = corners.map(|own| own.carrier);
         if carriers.contains(&Carrier::Free) {
             return None;
         }
@@ -87,7 +87,8 @@ impl Names {
         });
         if let Some(s) = on_segment {
             let f = plc.segments[s as usize].facets.iter().copied().find(on_all)?;
-            let off = corners.iter().map(|(_, p)| plc.side(f, s, p)).find(|side| side.is_ne())?;
+            let mut sides = corners.iter().map(|own| plc.side(f, s, &own.point));
+            let off = sides.find(|side| side.is_ne())?;
             let known = self.sides.get(&(s, f)).copied().unwrap_or_default();
             return known[usize::from(off.is_lt())].then_some(f);
         }
@@ -117,7 +118,7 @@ impl Names {
             if face.iter().any(|&k| v[k] == INFINITE) {
                 return false;
             }
-            let corners = face.map(|k| (carrier(k), state.at(v[k])));
+            let corners = face.map(|k| state.corner(v[k]));
             let labels = [t, state.neighbours(t)[slot]].map(|t| state.marks.region(t));
             let name = self.facet(plc, corners).or_else(|| plc.patch_at(corners, slot, labels));
             name != known || name.is_some() != (word & face_bit(slot) != 0)

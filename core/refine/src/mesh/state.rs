@@ -12,7 +12,7 @@ use super::survey::Survey;
 use super::window::Window;
 use crate::RefineError;
 use crate::complex::angles::Angles;
-use crate::complex::carrier::Carrier;
+use crate::complex::carrier::{Carrier, Corner};
 use crate::complex::measure::circumcircle;
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
@@ -206,6 +206,11 @@ impl State {
 
     pub(crate) fn at(&self, v: VertexId) -> Point {
         self.mesh.kernel_point(v)
+    }
+
+    /// A vertex with where it lives.
+    pub(crate) fn corner(&self, v: VertexId) -> Corner {
+        Corner { point: self.at(v), carrier: self.carriers[v.index()] }
     }
 
     pub(crate) fn vertices(&self, t: TetId) -> [VertexId; 4] {

@@ -49,6 +49,15 @@ pub(crate) struct Dust {
     pub(crate) above: Option<bool>,
 }
 
+/// A flat tetrahedron over the outline of a patch, or dust beside one.
+#[derive(Clone, Copy, Debug)]
+struct Sided {
+    tet: TetId,
+    facet: u32,
+    /// Is it above the patch, or below it?
+    above: bool,
+}
+
 /// The faces of a tetrahedron that lie in patches, each with the sign of its projection.
 type Faces = [Vec<(u32, i128)>; 4];
 
@@ -77,7 +86,7 @@ impl State {
         let mut found = Found::default();
         found.layers.resize(self.plc.facets.len(), Layers::default());
         let (mut flat, mut all) = (Flat::default(), Vec::new());
-        let mut stack: Vec<(TetId, u32, bool)> = Vec::new();
+        let mut stack: Vec<Sided> = Vec::new();
         for t in self.mesh.tet_ids() {
             let v = self.vertices(t);
             let faces: Faces =
@@ -96,7 +105,7 @@ impl State {
             for f in on.into_iter().filter(is_flat) {
                 if let Some(above) = self.side_at_outline(f, v, &faces) {
                     flat.insert((t, f), Some(above));
-                    stack.push((t, f, above));
+                    stack.push(Sided { tet: t, facet: f, above });
                 }
             }
             if faces.iter().any(|list| !list.is_empty()) {
@@ -127,14 +136,9 @@ impl State {
     }
 
     /// Spreads the sides of flat tetrahedra to the dust above those above, and below those below.
-    fn spread_sides(
-        &self,
-        patches: &[Vec<u32>],
-        flat: &mut Flat,
-        mut stack: Vec<(TetId, u32, bool)>,
-    ) {
+    fn spread_sides(&self, patches: &[Vec<u32>], flat: &mut Flat, mut stack: Vec<Sided>) {
         // Each tetrahedron gets one side at most.
-        while let Some((t, f, above)) = stack.pop() {
+        while let Some(Sided { tet: t, facet: f, above }) = stack.pop() {
             let (v, neighbours) = (self.vertices(t), self.mesh.topology().at(t).neighbours());
             for (slot, face) in neighbours.into_iter().enumerate() {
                 let tiles = self.tiles_of(patches, FACE[slot].map(|k| v[k]));
@@ -144,7 +148,7 @@ impl State {
                     && let Some(side @ None) = flat.get_mut(&(tet_of(face), f))
                 {
                     *side = Some(above);
-                    stack.push((tet_of(face), f, above));
+                    stack.push(Sided { tet: tet_of(face), facet: f, above });
                 }
             }
         }

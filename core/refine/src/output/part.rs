@@ -3,6 +3,7 @@
 
 use crate::complex::carrier::Carrier;
 use crate::complex::parts::Markers;
+use crate::mesh::bounds::Solid;
 use crate::mesh::key::{order_key, sorted};
 pub use crate::mesh::number::{GivenNumbers, from_smallest, in_order};
 use crate::mesh::state::FACE;
@@ -55,14 +56,14 @@ impl Complex<'_> {
     /// `is_flat` tells whether all corners of one are on one patch: then it is over no bound.
     pub fn amiss(
         &self,
-        tets: impl Iterator<Item = (TetId, [Point; 4], u32)>,
+        tets: impl Iterator<Item = Solid<TetId>>,
         is_flat: impl Fn(TetId) -> bool,
     ) -> Amiss {
         let (is_unknown, mut thin) = (Cell::new(false), Vec::new());
-        let inside = tets.filter(|&(t, ref corners, region)| {
-            let is_inside = region != 0;
-            let is_known = !is_inside || self.bounds().has_size_at(corners.each_ref());
-            is_unknown.set(is_unknown.get() || !is_known && !is_flat(t));
+        let inside = tets.filter(|own| {
+            let is_inside = own.region != 0;
+            let is_known = !is_inside || self.bounds().has_size_at(own.corners.each_ref());
+            is_unknown.set(is_unknown.get() || !is_known && !is_flat(own.tet));
             is_inside
         });
         let is_over = self.over_among(inside, |t| thin.push(t)).any(|t| !is_flat(t));
@@ -77,12 +78,12 @@ impl Complex<'_> {
         region: u32,
         beyond: impl Fn(usize) -> Option<u32>,
     ) -> bool {
-        let (plc, corners) = (self.plc(), corners.map(|own| (own.carrier, own.point)));
-        if !self.is_flat(|k| corners[k].0) {
+        let plc = self.plc();
+        if !self.is_flat(|k| corners[k].carrier) {
             return false;
         }
         let [Some(a), Some(b), Some(c), Some(d)] = [0, 1, 2, 3].map(beyond) else {
-            return plc.is_inner(corners.map(|own| own.0), region);
+            return plc.is_inner(corners.map(|own| own.carrier), region);
         };
         let beyond = [a, b, c, d];
         let facet = |slot: usize| {
@@ -90,7 +91,8 @@ impl Complex<'_> {
             self.facet(face).or_else(|| plc.patch_at(face, slot, [region, beyond[slot]]))
         };
         let facets = [0, 1, 2, 3].map(facet);
-        let is_segment = |ends: [usize; 2]| self.segment(ends.map(|k| corners[k].0)).is_some();
+        let is_segment =
+            |ends: [usize; 2]| self.segment(ends.map(|k| corners[k].carrier)).is_some();
         plc.settled(&Flat { corners, region, facets, beyond }, is_segment).is_some()
     }
 
@@ -99,13 +101,12 @@ impl Complex<'_> {
         let points = corners.map(|own| own.point);
         let is_missed = self.bounds().dihedral?.is_missed(points.each_ref());
         is_missed.then(|| {
-            let all = corners.map(|own| (own.carrier, own.point));
-            let of = |ends: [usize; 2]| self.segment(ends.map(|k| all[k].0));
+            let of = |ends: [usize; 2]| self.segment(ends.map(|k| corners[k].carrier));
             let named = || {
                 let reason = self.reason_near(corners);
                 (reason != Reason::Rounding).then_some(reason)
             };
-            let asked = self.angles().beyond_help(self.plc(), (&all, of), self.bounds());
+            let asked = self.angles().beyond_help(self.plc(), &corners, of, self.bounds());
             ThinTet {
                 angle: TetQuality::of(sorted(points).each_ref()).least_dihedral(),
                 near: asked.or_else(named),

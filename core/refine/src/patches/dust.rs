@@ -5,7 +5,7 @@
 //! patch, and the two others would cover the same place with the inner side where it belongs, these
 //! are the subfaces instead.
 
-use crate::complex::carrier::Carrier;
+use crate::complex::carrier::{Carrier, Corner};
 use crate::complex::plc::Plc;
 use crate::mesh::item::Item;
 use crate::mesh::marks::{FACES, face_bit};
@@ -13,7 +13,6 @@ use crate::mesh::state::{FACE, State};
 use crate::mesh::tiles::is_above;
 use crate::table::{edge, triangle};
 use ltbw_core::topology::{TetId, slot_of, tet_of};
-use ltbw_exact::Point;
 use std::cmp::Reverse;
 
 impl State {
@@ -93,7 +92,7 @@ impl State {
 
 /// A tetrahedron beside subfaces, by values.
 pub(crate) struct Flat {
-    pub(crate) corners: [(Carrier, Point); 4],
+    pub(crate) corners: [Corner; 4],
     pub(crate) region: u32,
     /// Of which facet the face opposite each slot is a subface.
     pub(crate) facets: [Option<u32>; 4],
@@ -115,13 +114,13 @@ impl Plc {
         let f = flat.facets[i].filter(|f| flat.facets[j] == Some(*f))?;
         let patch = self.facets[f as usize].patch.as_ref()?;
         let sides = patch.sides.filter(|sides| sides.inner == flat.region)?;
-        let lies_on = |(carrier, _): &(Carrier, Point)| self.lies_on(*carrier, f);
+        let lies_on = |own: &Corner| self.lies_on(own.carrier, f);
         // The other two slots are the ends of the edge that both subfaces have.
         if !flat.corners.iter().all(lies_on) || is_segment([new[0], new[1]]) {
             return None;
         }
         let fits = |&slot: &usize| {
-            let [a, b, c] = FACE[slot].map(|k| flat.corners[k].1);
+            let [a, b, c] = FACE[slot].map(|k| flat.corners[k].point);
             let turn = patch.turn([&a, &b, &c]);
             turn != 0 && is_above(slot, turn) != sides.upwards && flat.beyond[slot] == sides.inner
         };

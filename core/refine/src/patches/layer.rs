@@ -41,6 +41,14 @@ pub(crate) struct Hole {
     radius: f64,
 }
 
+/// A subsegment of a patch.
+#[derive(Clone, Copy, Debug)]
+struct Outlined {
+    side: [VertexId; 2],
+    /// The triangles of a layer that are to have it: two where the patch is on both sides.
+    count: usize,
+}
+
 /// A planar triangulation: triangles with those across their sides, in the order of [`sides`].
 struct Planar {
     places: Map<VertexId, [f64; 2]>,
@@ -51,15 +59,15 @@ struct Planar {
 
 impl State {
     /// The subsegments of each patch.
-    fn outlines(&self) -> Vec<Vec<([VertexId; 2], usize)>> {
+    fn outlines(&self) -> Vec<Vec<Outlined>> {
         let mut outlines = vec![Vec::new(); self.plc.facets.len()];
         let mut all: Vec<(&[VertexId; 2], &u32)> = self.segments.iter().collect();
         all.sort_unstable();
-        for (&key, &s) in all {
+        for (&side, &s) in all {
             let segment = &self.plc.segments[s as usize];
             for &f in &segment.facets {
                 let count = if segment.twice.contains(&f) { 2 } else { 1 };
-                outlines[f as usize].push((key, count));
+                outlines[f as usize].push(Outlined { side, count });
             }
         }
         outlines
@@ -303,26 +311,26 @@ impl Plc {
 
 /// The number of triangles that are missing at each edge of a layer; negative where there are too
 /// many.
-fn missing_at(layer: &[Tile], outline: &[([VertexId; 2], usize)]) -> Map<[VertexId; 2], isize> {
+fn missing_at(layer: &[Tile], outline: &[Outlined]) -> Map<[VertexId; 2], isize> {
     let mut counts: Map<[VertexId; 2], isize> = Map::default();
     for (side, _) in layer.iter().flat_map(|tile| sides(tile.key)) {
         *counts.entry(side).or_insert(2) -= 1;
     }
-    for &(side, count) in outline {
+    for &Outlined { side, count } in outline {
         *counts.entry(side).or_insert(2) -= 2 - count as isize;
     }
     counts
 }
 
 /// The edges of which a layer has not as many triangles as it should.
-fn open_edges(layer: &[Tile], outline: &[([VertexId; 2], usize)]) -> Vec<[VertexId; 2]> {
+fn open_edges(layer: &[Tile], outline: &[Outlined]) -> Vec<[VertexId; 2]> {
     let counts = missing_at(layer, outline);
     counts.into_iter().filter(|&(_, left)| left != 0).map(|(side, _)| side).collect()
 }
 
 /// Drops triangles of nearly collinear corners that hang on an edge with triangles enough, with
 /// nothing at another edge: they lie in the patch as they lie in the one across its outline.
-fn drop_fins(layer: &mut Vec<Tile>, outline: &[([VertexId; 2], usize)]) {
+fn drop_fins(layer: &mut Vec<Tile>, outline: &[Outlined]) {
     let mut counts = missing_at(layer, outline);
     // Every pass but the last drops a triangle.
     loop {

@@ -17,7 +17,7 @@
 //! below. That is no loss: the other faces of the dust become the subfaces, under the same
 //! condition, and the new tetrahedra on them belong to the inner side.
 
-use crate::complex::carrier::Carrier;
+use crate::complex::carrier::Corner;
 use crate::complex::patch::Sides;
 use crate::complex::plc::Plc;
 use crate::mesh::facet::Change;
@@ -58,18 +58,18 @@ impl Plc {
     /// missing the label changes at the subfaces of patches only.
     pub(crate) fn patch_at(
         &self,
-        corners: [(Carrier, Point); 3],
+        corners: [Corner; 3],
         slot: usize,
         labels: [u32; 2],
     ) -> Option<u32> {
-        let [(first, a), (_, b), (_, c)] = &corners;
+        let [a, b, c] = corners.each_ref().map(|own| &own.point);
         if labels[0] == labels[1] {
             return None;
         }
         let is_between = |f: &u32| {
             let Some(patch) = &self.facets[*f as usize].patch else { return false };
             let Some(sides) = patch.sides else { return false };
-            let on_all = corners.iter().all(|&(carrier, _)| self.lies_on(carrier, *f));
+            let on_all = corners.iter().all(|own| self.lies_on(own.carrier, *f));
             on_all && {
                 let turn = patch.turn([a, b, c]);
                 let inwards = is_above(slot, turn) == sides.upwards;
@@ -78,7 +78,7 @@ impl Plc {
                 turn != 0 && known == [sides.inner, sides.outer]
             }
         };
-        let all = || self.facets_of(first).iter().copied().filter(is_between);
+        let all = || self.facets_of(&corners[0].carrier).iter().copied().filter(is_between);
         let mut several = all();
         match (several.next(), several.next()) {
             (one, None) => one,

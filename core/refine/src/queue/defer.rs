@@ -2,6 +2,7 @@
 
 use super::split::{Refinement, Step};
 use crate::mesh::item::{Item, Queues};
+use crate::mesh::journal::LimitBefore;
 use crate::mesh::limit::Limit;
 use crate::outcome::Reason;
 use crate::rules::record::Refusal;
@@ -63,7 +64,7 @@ impl Refinement<'_> {
             if let Some(limit) = limit {
                 let before = self.record.limits.insert(first, limit);
                 if let Some(journal) = &mut self.state.journal {
-                    journal.limits.push((first, before));
+                    journal.limits.push(LimitBefore { item: first, limit: before });
                 }
             }
             self.state.enter(first);

@@ -95,7 +95,7 @@ impl<'a> Refinement<'a> {
         let state = &self.state;
         match item {
             Item::Segment(ends) => {
-                let ends_at = ends.map(|v| (state.carriers[v.index()], state.at(v)));
+                let ends_at = ends.map(|v| state.corner(v));
                 state.segments.get(&ends).map(|&s| aims.subsegment(s, ends_at, attempt))
             }
             Item::Subface(corners) => {

@@ -11,7 +11,7 @@ use crate::mesh::item::Item;
 use crate::mesh::state::{Place, State};
 use crate::mesh::survey::Survey;
 use crate::rules::aim::ATTEMPTS;
-use crate::rules::block::{Between, Block};
+use crate::rules::block::{Between, Block, KeptBlock};
 use crate::rules::bounded::InMesh;
 use crate::rules::record::Record;
 use crate::rules::verdict::{Filling, Judge, Verdict};
@@ -96,7 +96,7 @@ pub(super) struct Batch {
     probed: Vec<Reserves>,
     cavities: Vec<TetId>,
     conclusions: Vec<Conclusion>,
-    blocks: Vec<(Block, Here)>,
+    blocks: Vec<KeptBlock<Here>>,
     searches: u64,
     stats: PredicateStats,
 }
@@ -182,12 +182,12 @@ impl Rounds<'_, '_> {
     }
 
     /// The subfaces that the refused point of a tetrahedron would take out of the mesh.
-    fn blocks_in(&self, seen: &Seen<'_>, own: &Foremost) -> Vec<(Block, Here)> {
+    fn blocks_in(&self, seen: &Seen<'_>, own: &Foremost) -> Vec<KeptBlock<Here>> {
         let (record, limit) = (&self.own.record, self.limit(own.t, &own.shape));
         let found = seen.judge(record).blocks(|s| record.bars(&Item::Subface(s), limit).is_some());
         let here = |(block, (corners, sides)): (Block, Between<TetId>)| {
             let sides = sides.map(|t| (t, self.own.state.vertices(t)));
-            (block, Here { item: Item::Subface(corners), sides })
+            KeptBlock { block, here: Here { item: Item::Subface(corners), sides } }
         };
         found.into_iter().map(here).collect()
     }

@@ -6,7 +6,7 @@ use crate::mesh::item::Item;
 use crate::mesh::state::{FACE, State};
 use crate::outcome::Reason;
 use crate::rules::aim::{Aim, at_centre};
-use crate::rules::block::Block;
+use crate::rules::block::{Block, KeptBlock};
 use crate::rules::walk::Way;
 use crate::table::triangle;
 use crate::thin::Thin;
@@ -41,15 +41,17 @@ impl Rounds<'_, '_> {
     /// The blocks that are left, for others.
     pub(crate) fn blocks_left(&self) -> Vec<Block> {
         let state = &self.own.state;
-        let is_left = |own: &&(Block, Here)| own.1.sides.iter().all(|&(t, v)| state.is_live(t, v));
-        self.blocks.kept().iter().filter(is_left).map(|own| own.0.clone()).collect()
+        let is_left =
+            |own: &&KeptBlock<Here>| own.here.sides.iter().all(|&(t, v)| state.is_live(t, v));
+        self.blocks.kept().iter().filter(is_left).map(|own| own.block.clone()).collect()
     }
 
     /// Forgets subfaces that are gone, or may be split, or have another tetrahedron beside them.
     pub(super) fn check_blocks(&mut self) {
         let Self { blocks, own, .. } = self;
         let (state, record) = (&own.state, &own.record);
-        blocks.retain(|(_, Here { item, sides })| {
+        blocks.retain(|own| {
+            let Here { item, sides } = &own.here;
             sides.iter().all(|&(t, v)| state.is_live(t, v)) && record.refused.contains_key(item)
         });
     }
@@ -77,9 +79,9 @@ impl Rounds<'_, '_> {
     pub(super) fn blocked(&self, p: &Point, own: &Foremost) -> Option<Reason> {
         let mesh = &self.own.state.mesh;
         let is_lost =
-            |(_, here): &(Block, Here)| here.sides.iter().all(|&(t, _)| mesh.in_conflict(t, p));
-        let bars = |(_, here): &(Block, Here)| {
-            self.own.record.bars(&here.item, self.limit(own.t, &own.shape))
+            |kept: &KeptBlock<Here>| kept.here.sides.iter().all(|&(t, _)| mesh.in_conflict(t, p));
+        let bars = |kept: &KeptBlock<Here>| {
+            self.own.record.bars(&kept.here.item, self.limit(own.t, &own.shape))
         };
         self.blocks.refuse(is_lost, bars, || self.own.state.reason_near(own.corners))
     }
@@ -94,7 +96,7 @@ mod tests {
     use crate::mesh::state::FACE;
     use crate::outcome::{Reason, RefineStats};
     use crate::rounds::{InsertOrder, Rounds};
-    use crate::rules::block::Blocks;
+    use crate::rules::block::{Blocks, KeptBlock};
     use crate::rules::record::Refusal;
     use crate::table::triangle;
     use crate::tests::ready;
@@ -123,7 +125,7 @@ mod tests {
         let block = Block::new(corners, sides.map(|own| own.1), |v| state.at(v));
         let here = Here { item: Item::Subface(corners), sides };
         assert!(state.block_at(&block, here.item, sides[0].0).is_some(), "it is found again");
-        rounds.blocks = Blocks::of(vec![(block, here)]);
+        rounds.blocks = Blocks::of(vec![KeptBlock { block, here }]);
         here
     }
 
@@ -179,8 +181,9 @@ mod tests {
             let [mut gone, stays] = sides;
             let [k, j] = [gone, stays].map(|(_, v)| apex(v).expect("an apex"));
             gone.1[k] = stays.1[j];
-            let (block, here) = rounds.blocks.kept()[0].clone();
-            rounds.blocks = Blocks::of(vec![(block, Here { sides: [gone, stays], ..here })]);
+            let KeptBlock { block, here } = rounds.blocks.kept()[0].clone();
+            let here = Here { sides: [gone, stays], ..here };
+            rounds.blocks = Blocks::of(vec![KeptBlock { block, here }]);
             rounds.check_blocks();
             assert!(rounds.blocks.kept().is_empty(), "kept by its slot");
         });

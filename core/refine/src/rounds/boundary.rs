@@ -4,6 +4,7 @@
 //! waits for those that were taken before.
 
 use super::batch::{Prober, Unseen};
+use super::demands::Ready;
 use super::{CHECK_EVERY, Candidate, Look, Rounds};
 use crate::mesh::item::Item;
 use crate::mesh::state::Place;
@@ -56,27 +57,27 @@ struct Found {
 /// The looks at some boundary items, in their order.
 #[derive(Debug, Default)]
 struct Batch {
-    all: Vec<(Item, TetId, Looked)>,
+    all: Vec<(Ready, Looked)>,
     tets: Vec<TetId>,
     stats: PredicateStats,
 }
 
 impl Rounds<'_, '_> {
-    /// Probes boundary items, each with a slot near it, and takes those that may be split now;
+    /// Probes boundary items, and takes those that may be split now;
     /// `true` if the work is cancelled.
-    pub(super) fn probe_boundary(&mut self, items: &[(Item, TetId)], heed: Look<'_>) -> bool {
+    pub(super) fn probe_boundary(&mut self, items: &[Ready], heed: Look<'_>) -> bool {
         let vertices = self.own.state.mesh.num_vertices();
         let mut cancelled = false;
         if self.in_waves {
             let (mut own, mut tets) = (std::mem::take(&mut self.prober), Vec::new());
-            for (done, &(item, near)) in items.iter().enumerate() {
+            for (done, &item) in items.iter().enumerate() {
                 cancelled = done % CHECK_EVERY == CHECK_EVERY - 1 && heed(vertices);
                 if cancelled {
                     break;
                 }
                 tets.clear();
-                let looked = self.look_at_item((item, near), &mut own, &mut tets);
-                self.take_looked((item, near), looked, &tets);
+                let looked = self.look_at_item(item, &mut own, &mut tets);
+                self.take_looked(item, looked, &tets);
             }
             self.own.state.mesh.add_stats(std::mem::take(&mut own.search.stats));
             self.prober = own;
@@ -84,11 +85,11 @@ impl Rounds<'_, '_> {
         }
         let mut own = std::mem::take(&mut self.prober);
         let this = &*self;
-        let look = |prober: &mut Prober, items: &[(Item, TetId)]| {
+        let look = |prober: &mut Prober, items: &[Ready]| {
             let mut batch = Batch::default();
-            for &(item, near) in items {
-                let looked = this.look_at_item((item, near), prober, &mut batch.tets);
-                batch.all.push((item, near, looked));
+            for &item in items {
+                let looked = this.look_at_item(item, prober, &mut batch.tets);
+                batch.all.push((item, looked));
             }
             batch.stats = std::mem::take(&mut prober.search.stats);
             batch
@@ -113,8 +114,8 @@ impl Rounds<'_, '_> {
         }
         for batch in batches {
             self.own.state.mesh.add_stats(batch.stats);
-            for (item, near, looked) in batch.all {
-                self.take_looked((item, near), looked, &batch.tets);
+            for (item, looked) in batch.all {
+                self.take_looked(item, looked, &batch.tets);
             }
         }
         let (this, count) = (&*self, self.choice.candidates.len());
@@ -151,12 +152,8 @@ impl Rounds<'_, '_> {
 
     /// Looks for the point of a boundary item; its cavity is added to `list`. The last attempt is
     /// refused.
-    fn look_at_item(
-        &self,
-        (item, near): (Item, TetId),
-        prober: &mut Prober,
-        list: &mut Vec<TetId>,
-    ) -> Looked {
+    fn look_at_item(&self, own: Ready, prober: &mut Prober, list: &mut Vec<TetId>) -> Looked {
+        let Ready { item, near } = own;
         let state = &self.own.state;
         for attempt in 0..=ATTEMPTS {
             let (place, is_on) = match self.proposed(item, near, attempt) {
@@ -189,7 +186,8 @@ impl Rounds<'_, '_> {
     }
 
     /// Makes an item that may be split a candidate; `list` has its cavity.
-    fn take_looked(&mut self, (item, near): (Item, TetId), looked: Looked, list: &[TetId]) {
+    fn take_looked(&mut self, own: Ready, looked: Looked, list: &[TetId]) {
+        let Ready { item, near } = own;
         let found = match looked {
             Looked::Gone => return self.demands.remove(&item),
             Looked::Refused(reason) => return self.refuse(item, reason),

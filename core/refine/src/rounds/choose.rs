@@ -9,6 +9,7 @@
 //! with a larger key waits for the next round, unless both points are on one segment, or in one
 //! facet and the cavity there has not this subface.
 
+use super::demands::Ready;
 use super::{CHECK_EVERY, Class, Look, Rounds};
 use crate::complex::carrier::Carrier;
 use crate::mesh::item::Item;
@@ -126,18 +127,17 @@ impl Rounds<'_, '_> {
         self.choice.chosen.sort_unstable();
     }
 
-    /// The pending items that wait for none, subsegments first, then by their keys, each with a
-    /// slot near it.
-    fn ready(&self) -> Vec<(Item, TetId)> {
+    /// The pending items that wait for none, subsegments first, then by their keys.
+    fn ready(&self) -> Vec<Ready> {
         let state = &self.own.state;
-        let ready = self.demands.ready().map(|(item, near)| {
-            let (key, place) = (state.key_of(item), state.place_of(item));
-            let is_subface = matches!(item, Item::Subface(_));
-            ((is_subface, Reverse(key), place), item, near)
+        let ready = self.demands.ready().map(|own| {
+            let (key, place) = (state.key_of(own.item), state.place_of(own.item));
+            let is_subface = matches!(own.item, Item::Subface(_));
+            ((is_subface, Reverse(key), place), own)
         });
         let mut items: Vec<_> = ready.collect();
         items.sort_unstable_by_key(|own| own.0);
-        items.into_iter().map(|(_, item, near)| (item, near)).collect()
+        items.into_iter().map(|(_, own)| own).collect()
     }
 
     /// Writes the last candidate into the slots of its cavity, where none before it is.

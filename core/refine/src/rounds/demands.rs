@@ -18,6 +18,14 @@ pub(super) struct Pending {
     pub(super) near: TetId,
 }
 
+/// A boundary item that may be split now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ready {
+    pub(super) item: Item,
+    /// A slot near it.
+    pub(super) near: TetId,
+}
+
 /// A boundary item that is asked for in a round.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Asked {
@@ -51,13 +59,12 @@ pub(super) struct Demands {
 }
 
 impl Demands {
-    /// The items that may be tried, each with a slot near it: not before the one that it waits for
-    /// is gone or refused.
-    pub(super) fn ready(&self) -> impl Iterator<Item = (Item, TetId)> + '_ {
+    /// The items that may be tried: not before the one that it waits for is gone or refused.
+    pub(super) fn ready(&self) -> impl Iterator<Item = Ready> + '_ {
         let waits =
             |own: &Pending| own.first.is_some_and(|other| self.pending.contains_key(&other));
         let ready = self.pending.iter().filter(move |(_, own)| !waits(own));
-        ready.map(|(&item, own)| (item, own.near))
+        ready.map(|(&item, own)| Ready { item, near: own.near })
     }
 
     /// Was any item found to wait, or refused, in this round?

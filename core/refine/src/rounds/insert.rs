@@ -141,7 +141,7 @@ impl Rounds<'_, '_> {
         match v {
             None => own.inserted.fill(open, place, &filling, None, nothing),
             Some(v) => {
-                own.inserted.fill_vertex(open, (v, place.carrier), &filling, nothing);
+                own.inserted.fill_vertex(open, v, &filling, nothing);
             }
         }
         self.note_created();

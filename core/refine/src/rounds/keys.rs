@@ -159,7 +159,7 @@ impl Keys {
 
     /// Is an entry's tetrahedron before another one, which has this key?
     #[inline(always)]
-    fn is_before(&self, mesh: &impl Ranked, one: TetId, (other, key): (TetId, u64)) -> bool {
+    fn is_before(&self, mesh: &impl Ranked, one: TetId, other: TetId, key: u64) -> bool {
         let own = self.at(one);
         (own > key && (mesh.breaks_ties() || !Rank::is_tie(own, key)))
             || own == key && one != other && mesh.is_first_by_place(one, other)
@@ -171,8 +171,8 @@ impl Keys {
     /// witness that its stamp forgets.
     #[inline(always)]
     pub(crate) fn one_before(&self, mesh: &impl Ranked, t: TetId) -> Option<[TetId; 2]> {
-        let own = (t, self.at(t));
-        let is_before = |&one: &TetId| self.is_before(mesh, one, own);
+        let key = self.at(t);
+        let is_before = |&one: &TetId| self.is_before(mesh, one, t, key);
         witness(t, mesh.neighbours(t), |way| mesh.around(way), is_before)
     }
 

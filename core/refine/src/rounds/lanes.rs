@@ -7,6 +7,7 @@ use super::reserved::Reserved;
 use super::{Candidate, Choice, Look, Rounds};
 use crate::RefineError;
 use crate::complex::carrier::Carrier;
+use crate::fill::StarTet;
 use crate::mesh::bounds::{Bounds, Four, bits};
 use crate::mesh::item::Item;
 use crate::mesh::key::key_of_tet;
@@ -47,7 +48,7 @@ struct Kept {
     bad: Vec<Bad>,
     thin: Vec<Thin>,
     /// Scratch: a star with boundary.
-    star: Vec<(TetId, [VertexId; 4])>,
+    star: Vec<StarTet>,
     /// Items that should be in a star, but are not.
     missed: Vec<Item>,
 }
@@ -70,30 +71,24 @@ impl Update<'_> {
     #[inline(never)]
     fn look(&self, own: &mut Kept, view: View<'_>) {
         let Some(bounds) = self.bounds else { return };
-        let Kept { created, bad, thin, looks, insertions, .. } = own;
-        *insertions = 0;
-        *looks += 1;
-        let (look, first) = (self.keys.look() + *looks, bad.len());
-        created.iter().for_each(|&t| self.keys.write(t, 0, look));
-        self.find_bad(created, look, (bounds, view), (bad, thin));
-        created.clear();
-        for bad in &mut bad[first..] {
+        own.insertions = 0;
+        own.looks += 1;
+        let (look, first) = (self.keys.look() + own.looks, own.bad.len());
+        own.created.iter().for_each(|&t| self.keys.write(t, 0, look));
+        self.find_bad(own, look, bounds, view);
+        own.created.clear();
+        for bad in &mut own.bad[first..] {
             if let Some(witness) = self.one_before(bad.t, view) {
                 bad.witness = witness;
             }
         }
     }
 
-    /// Finds those of some tetrahedra that are over their bounds, and gives their slots keys. None
-    /// lies between the triangles of a patch: points that change one go in no lane.
-    fn find_bad(
-        &self,
-        tets: &[TetId],
-        look: u32,
-        (bounds, view): (&Bounds<'_>, View<'_>),
-        (bad, thin): (&mut Vec<Bad>, &mut Vec<Thin>),
-    ) {
-        let mut solid = tets.iter().filter_map(|&t| {
+    /// Finds the new tetrahedra that are over their bounds, and gives their slots keys. None lies
+    /// between the triangles of a patch: points that change one go in no lane.
+    fn find_bad(&self, kept: &mut Kept, look: u32, bounds: &Bounds<'_>, view: View<'_>) {
+        let Kept { created, bad, thin, .. } = kept;
+        let mut solid = created.iter().filter_map(|&t| {
             let region = self.marks.region(t);
             let tet = view.tet(t).filter(|tet| region != 0 && !tet.is_ghost())?;
             Some((t, tet.vertices(), region))
@@ -154,7 +149,8 @@ impl Follow for Update<'_> {
         let Candidate { place, filling, .. } = &self.candidates[self.stage[k]];
         if place.carrier != Carrier::Free {
             own.star.clear();
-            own.star.extend(star.iter().filter_map(|&t| Some((t, view.tet(t)?.vertices()))));
+            let star_tet = |&t: &TetId| Some(StarTet { t, v: view.tet(t)?.vertices() });
+            own.star.extend(star.iter().filter_map(star_tet));
             filling.mark(&own.star, |t, bits| self.marks.set(t, bits), &mut own.missed);
         }
         for &t in star {

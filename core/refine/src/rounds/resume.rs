@@ -4,7 +4,7 @@ use super::{BlockHere, Pending, Rounds};
 use crate::RefineError;
 use crate::mesh::item::Item;
 use crate::mesh::limit::Limit;
-use crate::rules::block::{Block, Blocks};
+use crate::rules::block::{Block, Blocks, KeptBlock};
 use crate::rules::record::Refusal;
 use crate::thin::Thin;
 use ltbw_core::topology::TetId;
@@ -49,7 +49,8 @@ impl Rounds<'_, '_> {
     pub(crate) fn resume(&mut self, resumed: Resumed) {
         self.front.counted = resumed.candidates;
         self.late.thin = resumed.thin;
-        self.blocks = Blocks::of(resumed.blocks);
+        let kept = resumed.blocks.into_iter().map(|(block, here)| KeptBlock { block, here });
+        self.blocks = Blocks::of(kept.collect());
         if let Some(slivers) = resumed.slivers {
             let vertices = |t: TetId| self.own.state.vertices(t);
             let mut slivers: Vec<Thin> = slivers.into_iter().map(|t| (t, vertices(t))).collect();

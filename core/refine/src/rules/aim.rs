@@ -5,7 +5,7 @@
 //! by a part of the radius, so that its coordinates are short, the second by a step.
 
 use crate::complex::angles::{direction, is_sharp};
-use crate::complex::carrier::{Carrier, Line, UNIT, free_point, within_box};
+use crate::complex::carrier::{Carrier, Corner, Line, UNIT, free_point, within_box};
 use crate::complex::measure::circumcircle;
 use crate::complex::plc::Plc;
 use ltbw_domain::vector::distance2;
@@ -101,16 +101,16 @@ impl Aims<'_> {
         square < self.floor * self.floor
     }
 
-    /// The aim for a subsegment of segment `s`, given by carrier and coordinates of its ends.
-    pub(crate) fn subsegment(&self, s: u32, ends: [(Carrier, Point); 2], attempt: usize) -> Aim {
+    /// The aim for a subsegment of segment `s`, given by its ends.
+    pub(crate) fn subsegment(&self, s: u32, ends: [Corner; 2], attempt: usize) -> Aim {
         if attempt > 0 {
             return Aim::Exhausted;
         }
-        let Some(t) = self.plc.split_parameter(ends.map(|(carrier, _)| carrier), s) else {
+        let Some(t) = self.plc.split_parameter(ends.map(|end| end.carrier), s) else {
             return Aim::Refused;
         };
         let point = self.plc.segments[s as usize].line.point(t);
-        let is_near = |(_, end): (Carrier, Point)| self.is_below(distance2(&end, &point));
+        let is_near = |end: Corner| self.is_below(distance2(&end.point, &point));
         match ends.into_iter().any(is_near) {
             true => Aim::Refused,
             false => Aim::At { point, carrier: Carrier::Segment(s, t), may: true },

@@ -39,14 +39,13 @@ impl Complex<'_> {
         let corners = sorted(corners);
         let [a, b, c, d] = &corners;
         let all = [a, b, c, d];
-        self.bounds().limit_in((all, region), &Shape::of(all), self.angles())
+        self.bounds().limit_in(all, region, &Shape::of(all), self.angles())
     }
 
     /// The point that splits a boundary item, at the given attempt.
     pub fn aim_at_item(&self, item: &BoundaryItem, attempt: usize) -> Aim {
         if let [a, b] = item.corners() {
-            let ends = [a, b].map(|end| (end.carrier, end.point));
-            return self.aims().subsegment(item.of(), ends, attempt);
+            return self.aims().subsegment(item.of(), [*a, *b], attempt);
         }
         self.aims().subface(item.of(), item.points(), attempt)
     }
@@ -76,8 +75,7 @@ impl Complex<'_> {
         if face.iter().any(|corner| corner.carrier == Carrier::Free) {
             return None;
         }
-        let corners = face.map(|corner| (corner.carrier, corner.point));
-        let of = self.facet(corners).or_else(|| self.patch(corners, slot, labels))?;
+        let of = self.facet(face).or_else(|| self.patch(face, slot, labels))?;
         Some(BoundaryItem::new(&face, of))
     }
 }

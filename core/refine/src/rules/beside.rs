@@ -1,7 +1,7 @@
 //! Points on the boundary beside a tetrahedron.
 
 use super::bounded::Bounded;
-use super::choice::{BoundaryItem, Corner};
+use super::choice::BoundaryItem;
 use super::verdict::{Filling, Judge};
 use super::walk::Way;
 use crate::complex::carrier::{Carrier, Line};
@@ -46,14 +46,12 @@ impl State {
 
     /// A boundary item by its corners.
     pub(crate) fn boundary_item(&self, item: Item) -> Option<BoundaryItem> {
-        let corner =
-            |&v: &VertexId| Corner { point: self.at(v), carrier: self.carriers[v.index()] };
         match item {
             Item::Segment(s) => {
-                Some(BoundaryItem::new(&s.each_ref().map(corner), *self.segments.get(&s)?))
+                Some(BoundaryItem::new(&s.map(|v| self.corner(v)), *self.segments.get(&s)?))
             }
             Item::Subface(s) => {
-                Some(BoundaryItem::new(&s.each_ref().map(corner), *self.subfaces.get(&s)?))
+                Some(BoundaryItem::new(&s.map(|v| self.corner(v)), *self.subfaces.get(&s)?))
             }
             Item::Tet(..) => None,
         }

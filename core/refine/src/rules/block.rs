@@ -83,14 +83,24 @@ fn is_in_conflict(side: &Side, p: &Point) -> bool {
     side.is_positive()
 }
 
-/// The subfaces that tetrahedra were refused for, each with what its keeper knows of it.
+/// A subface that tetrahedra were refused for, with what its keeper knows of it.
+#[doc(hidden)]
+#[derive(Clone, Debug)]
+pub struct KeptBlock<H> {
+    /// The subface.
+    pub block: Block,
+    /// The knowledge of its keeper.
+    pub here: H,
+}
+
+/// The subfaces that tetrahedra were refused for.
 #[doc(hidden)]
 #[derive(Debug)]
 pub struct Blocks<H> {
     /// In earlier rounds.
-    kept: Vec<(Block, H)>,
+    kept: Vec<KeptBlock<H>>,
     /// In this one.
-    found: Vec<(Block, H)>,
+    found: Vec<KeptBlock<H>>,
 }
 
 impl<H> Default for Blocks<H> {
@@ -101,12 +111,12 @@ impl<H> Default for Blocks<H> {
 
 impl<H> Blocks<H> {
     /// The blocks of others, from earlier rounds.
-    pub fn of(kept: Vec<(Block, H)>) -> Self {
+    pub fn of(kept: Vec<KeptBlock<H>>) -> Self {
         Self { kept, found: Vec::new() }
     }
 
     /// The blocks of earlier rounds.
-    pub fn kept(&self) -> &[(Block, H)] {
+    pub fn kept(&self) -> &[KeptBlock<H>] {
         &self.kept
     }
 
@@ -117,21 +127,21 @@ impl<H> Blocks<H> {
     }
 
     /// Forgets those of earlier rounds that do not stay.
-    pub fn retain(&mut self, stays: impl Fn(&(Block, H)) -> bool) {
+    pub fn retain(&mut self, stays: impl Fn(&KeptBlock<H>) -> bool) {
         self.kept.retain(stays);
     }
 
     /// A refusal has left some behind.
-    pub fn note(&mut self, found: impl IntoIterator<Item = (Block, H)>) {
+    pub fn note(&mut self, found: impl IntoIterator<Item = KeptBlock<H>>) {
         self.found.extend(found);
     }
 
     /// Adds those that were found in this round to those that are kept; are there any now?
     pub fn keep(&mut self) -> bool {
         let mut found = std::mem::take(&mut self.found);
-        found.retain(|own| self.kept.iter().all(|other| other.0.place != own.0.place));
-        found.sort_by_key(|own| own.0.place);
-        found.dedup_by_key(|own| own.0.place);
+        found.retain(|own| self.kept.iter().all(|other| other.block.place != own.block.place));
+        found.sort_by_key(|own| own.block.place);
+        found.dedup_by_key(|own| own.block.place);
         found.truncate(MOST[1].saturating_sub(self.kept.len()));
         self.kept.append(&mut found);
         !self.kept.is_empty()
@@ -142,8 +152,8 @@ impl<H> Blocks<H> {
     /// that it is at.
     pub fn refuse(
         &self,
-        is_lost: impl Fn(&(Block, H)) -> bool,
-        bars: impl Fn(&(Block, H)) -> Option<Reason>,
+        is_lost: impl Fn(&KeptBlock<H>) -> bool,
+        bars: impl Fn(&KeptBlock<H>) -> Option<Reason>,
         near: impl FnOnce() -> Reason,
     ) -> Option<Reason> {
         // It may be split for a shorter edge than those before allowed.

@@ -331,7 +331,7 @@ impl<R: Surveyed> Bounded for ByValues<'_, R> {
         if face.contains(&INFINITE) {
             return None;
         }
-        let corners = face.map(|v| self.corner(v)).map(|own| (own.carrier, own.point));
+        let corners = face.map(|v| self.corner(v));
         let label = |t: R::Tet| self.closure.region(t);
         let beyond = || Some([label(t), label(self.beyond(t, slot)?)]);
         self.complex.facet(corners).or_else(|| self.complex.patch(corners, slot, beyond))

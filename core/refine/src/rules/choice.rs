@@ -5,6 +5,8 @@
 //! rules are those of the rounds (`docs/rounds.md`), which look at a closure alone.
 
 use crate::complex::carrier::Carrier;
+#[doc(hidden)]
+pub use crate::complex::carrier::Corner;
 use crate::complex::measure::circumcircle;
 use crate::mesh::key::{OrderKey, SIZE, key, key_of_tet, order_key, sorted};
 use crate::outcome::Reason;
@@ -15,17 +17,6 @@ use std::cmp::Reverse;
 /// The vertex at infinity, among the corners of a closure.
 #[doc(hidden)]
 pub const NOWHERE: u32 = u32::MAX;
-
-/// A vertex.
-#[doc(hidden)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Corner {
-    /// Its coordinates.
-    pub point: Point,
-    /// Where it lives.
-    pub carrier: Carrier,
-}
 
 /// The cavity of a point, and the tetrahedra around it.
 #[doc(hidden)]

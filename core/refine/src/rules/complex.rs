@@ -6,7 +6,7 @@ use crate::complex::angles::Angles;
 use crate::complex::carrier::{Carrier, free_point, within_box};
 use crate::complex::measure::Shape;
 use crate::complex::plc::Plc;
-use crate::mesh::bounds::Bounds;
+use crate::mesh::bounds::{Bounds, Solid};
 use crate::mesh::item::Item;
 use crate::mesh::key::{order_key, sorted, spot};
 use crate::mesh::names::Names;
@@ -219,10 +219,9 @@ impl<'a> Complex<'a> {
         if self.angles.is_empty() {
             return false;
         }
-        let all = corners.map(|own| (own.carrier, own.point));
-        let of = |ends: [usize; 2]| self.segment(ends.map(|k| all[k].0));
+        let of = |ends: [usize; 2]| self.segment(ends.map(|k| corners[k].carrier));
         let points = corners.each_ref().map(|own| &own.point);
-        let is_sharp = self.angles.beyond_help(&self.plc, (&all, of), &self.bounds).is_some();
+        let is_sharp = self.angles.beyond_help(&self.plc, &corners, of, &self.bounds).is_some();
         is_sharp && !self.bounds.is_large_in(points, region)
     }
 
@@ -260,7 +259,7 @@ impl<'a> Complex<'a> {
     }
 
     /// The facet that a triangle of the mesh is on, if it is a subface, but not of a patch.
-    pub fn facet(&self, corners: [(Carrier, Point); 3]) -> Option<u32> {
+    pub fn facet(&self, corners: [Corner; 3]) -> Option<u32> {
         self.names.facet(&self.plc, corners)
     }
 
@@ -268,11 +267,11 @@ impl<'a> Complex<'a> {
     /// tells the regions of the tetrahedron and of the one beyond.
     pub(crate) fn patch(
         &self,
-        corners: [(Carrier, Point); 3],
+        corners: [Corner; 3],
         slot: usize,
         labels: impl FnOnce() -> Option<[u32; 2]>,
     ) -> Option<u32> {
-        let is_on = self.has_patches && corners.iter().all(|own| own.0 != Carrier::Free);
+        let is_on = self.has_patches && corners.iter().all(|own| own.carrier != Carrier::Free);
         if is_on { self.plc.patch_at(corners, slot, labels()?) } else { None }
     }
 
@@ -344,7 +343,7 @@ impl<'a> Complex<'a> {
     /// bounds, in their order. `thin` is told of those that may have tiny dihedral angles.
     pub fn over_among<'b>(
         &'b self,
-        tets: impl Iterator<Item = (TetId, [Point; 4], u32)> + 'b,
+        tets: impl Iterator<Item = Solid<TetId>> + 'b,
         thin: impl FnMut(TetId) + 'b,
     ) -> impl Iterator<Item = TetId> + 'b {
         self.bounds.over_among(tets, thin)

@@ -3,6 +3,7 @@
 
 use crate::mesh::bounds::Bounds;
 use crate::mesh::item::Item;
+use crate::mesh::journal::LimitBefore;
 use crate::mesh::limit::Limit;
 use crate::mesh::state::State;
 use crate::outcome::Reason;
@@ -88,8 +89,8 @@ impl Record {
 
     /// Restores limits, given in the order in which others were set in their place: those of a
     /// joint step end with it.
-    pub(crate) fn restore_limits(&mut self, before: Vec<(Item, Option<Limit>)>) {
-        for (item, limit) in before.into_iter().rev() {
+    pub(crate) fn restore_limits(&mut self, before: Vec<LimitBefore>) {
+        for LimitBefore { item, limit } in before.into_iter().rev() {
             match limit {
                 Some(limit) => self.limits.insert(item, limit),
                 None => self.limits.remove(&item),

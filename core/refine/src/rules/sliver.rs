@@ -247,12 +247,13 @@ impl<B: Bounded> Judge<'_, B> {
 /// Is a tetrahedron of a region a sliver that a point may serve: none in a collar, where the domain
 /// asks for small angles?
 pub(crate) fn is_open_sliver(
-    (plc, angles): (&Plc, &Angles),
+    plc: &Plc,
+    angles: &Angles,
     bounds: &Bounds<'_>,
-    corners: &[(Carrier, Point); 4],
+    corners: &[Corner; 4],
     region: u32,
 ) -> bool {
-    let is_small = |own: DihedralBound| own.is_missed(corners.each_ref().map(|own| &own.1));
+    let is_small = |own: DihedralBound| own.is_missed(corners.each_ref().map(|own| &own.point));
     let in_collar = || {
         let bound = bounds.ratio.as_ref();
         bound.is_some_and(|bound| angles.collar(plc, corners, bound.value()).is_some())
@@ -268,8 +269,7 @@ impl Complex<'_> {
 
     /// Is a tetrahedron of a region a sliver that a point may serve?
     pub fn is_sliver(&self, corners: [Corner; 4], region: u32) -> bool {
-        let all = corners.map(|own| (own.carrier, own.point));
-        is_open_sliver((self.plc(), self.angles()), self.bounds(), &all, region)
+        is_open_sliver(self.plc(), self.angles(), self.bounds(), &corners, region)
     }
 
     /// The next thing to do for a sliver.

@@ -11,6 +11,15 @@ use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId};
 use ltbw_exact::Point;
 use rayon::prelude::*;
 
+/// The values that tell the boundary, beside the carriers.
+struct Told<'t> {
+    complex: &'t Complex<'t>,
+    /// The region of each slot.
+    regions: &'t [u32],
+    /// Which vertices are on the boundary: the one at infinity is not.
+    is_on: &'t [bool],
+}
+
 /// A boundary item, its segment or facet, and a tetrahedron at it.
 type Named = (Item, u32, TetId);
 
@@ -25,9 +34,9 @@ impl State {
     ) -> Map<ItemPlace, (Item, TetId)> {
         self.marks = Marks::new(self.mesh.topology().slots());
         let is_on = self.on_boundary();
-        let this = &*self;
-        let enter = |mut found: Vec<Named>, own: (TetId, &Tet)| {
-            this.enter_marks(complex, regions, &is_on, own, &mut found);
+        let (this, told) = (&*self, Told { complex, regions, is_on: &is_on });
+        let enter = |mut found: Vec<Named>, (t, tet): (TetId, &Tet)| {
+            this.enter_marks(&told, t, tet, &mut found);
             found
         };
         let all = this.mesh.topology().par_iter().fold(Vec::new, enter);
@@ -42,9 +51,10 @@ impl State {
         regions: &[u32],
     ) -> Map<ItemPlace, (Item, TetId)> {
         let is_on = self.on_boundary();
+        let told = Told { complex, regions, is_on: &is_on };
         let (this, mut all) = (&*self, Vec::new());
         let known = this.mesh.topology().iter().filter(|own| !this.has_filling(own.0));
-        known.for_each(|own| this.enter_marks(complex, regions, &is_on, own, &mut all));
+        known.for_each(|(t, tet)| this.enter_marks(&told, t, tet, &mut all));
         self.enter_named(all, true)
     }
 
@@ -54,22 +64,15 @@ impl State {
     }
 
     /// Enters the marks and the region of a tetrahedron; tells of its boundary items.
-    fn enter_marks(
-        &self,
-        complex: &Complex<'_>,
-        regions: &[u32],
-        is_on: &[bool],
-        (t, tet): (TetId, &Tet),
-        found: &mut Vec<Named>,
-    ) {
+    fn enter_marks(&self, told: &Told<'_>, t: TetId, tet: &Tet, found: &mut Vec<Named>) {
         let v = tet.vertices();
         let label = |t: TetId| match self.vertices(t)[3] {
             INFINITE => 0,
-            _ => regions[t.index()],
+            _ => told.regions[t.index()],
         };
         let labels = |slot: usize| [t, self.neighbours(t)[slot]].map(label);
         let tell = |item, of| found.push((item, of, t));
-        let bits = self.named(complex, (v, is_on), labels, tell);
+        let bits = self.named(told, v, labels, tell);
         self.marks.enter(t, label(t), bits);
     }
 
@@ -97,18 +100,17 @@ impl State {
         found
     }
 
-    /// Tells the boundary items of a tetrahedron, each with its segment or facet, where `is_on`
-    /// says which vertices are on the boundary: the one at infinity is not; and `labels` the
-    /// regions on both sides of a face. Returns its marks.
+    /// Tells the boundary items of a tetrahedron, each with its segment or facet, where `labels`
+    /// says the regions on both sides of a face. Returns its marks.
     fn named(
         &self,
-        complex: &Complex<'_>,
-        (v, is_on): ([VertexId; 4], &[bool]),
+        told: &Told<'_>,
+        v: [VertexId; 4],
         labels: impl Fn(usize) -> [u32; 2],
         mut tell: impl FnMut(Item, u32),
     ) -> Word {
         let carrier = |v: VertexId| self.carriers[v.index()];
-        let is_on = v.map(|v| is_on[v.index()]);
+        let (complex, is_on) = (told.complex, v.map(|v| told.is_on[v.index()]));
         let mut bits = 0;
         if is_on.iter().filter(|on| **on).count() < 2 {
             return bits;
@@ -127,7 +129,7 @@ impl State {
                 continue;
             }
             let [a, b, c] = face.map(|k| v[k]);
-            let corners = [a, b, c].map(|v| (carrier(v), self.at(v)));
+            let corners = [a, b, c].map(|v| self.corner(v));
             let patch = || complex.patch(corners, slot, || Some(labels(slot)));
             if let Some(f) = complex.facet(corners).or_else(patch) {
                 tell(Item::Subface(triangle(a, b, c)), f);

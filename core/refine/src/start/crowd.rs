@@ -9,7 +9,7 @@
 //! Cost: a search in a tree for each segment, and for each part of a crowded one.
 
 use crate::RefineError;
-use crate::complex::carrier::{Carrier, Cut, corner_point};
+use crate::complex::carrier::{Carrier, Corner, Cut, corner_point};
 use crate::complex::plc::Plc;
 use crate::heed::Heed;
 use crate::rules::aim::{Aim, Aims};
@@ -25,31 +25,31 @@ const CROWD: usize = 1024;
 /// The most corners in the ball of a part of it.
 const FEW: usize = 4;
 
-/// A part of a segment, by carriers and places of its ends.
+/// A part of a segment, by its ends.
 struct Part {
     segment: u32,
-    ends: [(Carrier, Point); 2],
+    ends: [Corner; 2],
 }
 
 impl Part {
     fn whole(plc: &Plc, segment: u32) -> Self {
-        let end = |c: u32| (Carrier::Corner(c), corner_point(&plc.corners[c as usize]));
+        let point = |c: u32| corner_point(&plc.corners[c as usize]);
+        let end = |c: u32| Corner { point: point(c), carrier: Carrier::Corner(c) };
         Self { segment, ends: plc.segments[segment as usize].ends.map(end) }
     }
 
     /// The parts between points on it that are to be vertices, in their order along it.
-    fn between(&self, inner: &[(Carrier, Point)]) -> Vec<Self> {
+    fn between(&self, inner: &[Corner]) -> Vec<Self> {
         let [first, last] = self.ends;
         let all: Vec<_> = [first].into_iter().chain(inner.iter().copied()).chain([last]).collect();
-        let part =
-            |pair: &[(Carrier, Point)]| Self { segment: self.segment, ends: [pair[0], pair[1]] };
+        let part = |pair: &[Corner]| Self { segment: self.segment, ends: [pair[0], pair[1]] };
         all.windows(2).map(part).collect()
     }
 
     /// Does its ball hold more than this number of corners, its own ends left out? Rounding may
     /// count one on the sphere: it is a number of about that size.
     fn has_more(&self, tree: &RTree<Point>, count: usize) -> bool {
-        let [a, b] = self.ends.map(|(_, p)| p);
+        let [a, b] = self.ends.map(|end| end.point);
         let middle = [0, 1, 2].map(|k| a[k] / 2.0 + b[k] / 2.0);
         let inside = tree.locate_within_distance(middle, distance2(&a, &b) / 4.0);
         inside.filter(|&p| *p != a && *p != b).nth(count).is_some()
@@ -66,14 +66,14 @@ fn parameter(carrier: Carrier) -> i64 {
 
 impl Plc {
     /// The points on segments that are to be vertices, in their order along each.
-    fn inner_points(&self) -> Map<u32, Vec<(Carrier, Point)>> {
-        let mut all: Map<u32, Vec<(Carrier, Point)>> = Map::default();
-        for &(at, carrier) in &self.points {
+    fn inner_points(&self) -> Map<u32, Vec<Corner>> {
+        let mut all: Map<u32, Vec<Corner>> = Map::default();
+        for &(point, carrier) in &self.points {
             if let Carrier::Segment(s, _) = carrier {
-                all.entry(s).or_default().push((carrier, at));
+                all.entry(s).or_default().push(Corner { point, carrier });
             }
         }
-        all.values_mut().for_each(|own| own.sort_by_key(|own| parameter(own.0)));
+        all.values_mut().for_each(|own| own.sort_by_key(|own| parameter(own.carrier)));
         all
     }
 
@@ -116,7 +116,7 @@ impl Plc {
                 break;
             }
             cuts.push(Cut { segment, parameter });
-            let cut = (carrier, point);
+            let cut = Corner { point, carrier };
             let halves = [[ends[0], cut], [cut, ends[1]]].map(|ends| Part { segment, ends });
             parts.extend(halves.into_iter().filter(|half| half.has_more(&tree, FEW)));
         }

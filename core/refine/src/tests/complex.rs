@@ -22,13 +22,13 @@ fn carriers_tell_the_boundary() {
             if !state.is_complete() {
                 continue;
             }
-            let at = |v: VertexId| (state.carriers[v.index()], state.at(v));
+            let at = |v: VertexId| state.corner(v);
             let (mut edges, mut faces) = (Vec::new(), Vec::new());
             for t in state.mesh.tet_ids().collect::<Vec<TetId>>() {
                 let v = state.vertices(t);
                 for [i, j] in ENDS {
                     let known = state.segments.get(&edge(v[i], v[j])).copied();
-                    edges.push(([v[i], v[j]].map(at).map(|end| end.0), known));
+                    edges.push(([v[i], v[j]].map(at).map(|end| end.carrier), known));
                 }
                 for face in FACE {
                     let [a, b, c] = face.map(|k| v[k]);

@@ -60,14 +60,24 @@ impl Slots {
     }
 }
 
+/// All that a submesh of a domain notes of its vertices and slots.
+pub(super) struct Notes<'n> {
+    pub(super) carriers: &'n mut Carriers,
+    pub(super) slots: &'n mut Slots,
+    /// Scratch: the regions of a star.
+    pub(super) star: &'n mut Vec<u32>,
+}
+
 /// Inserts a point, if nothing is in its way: enters the carrier of its vertex, and the regions of
-/// the new tetrahedra. `star` is scratch.
+/// the new tetrahedra.
 pub(super) fn insert_chosen(
     inner: &mut LocalMesh,
-    (carriers, slots, star): (&mut Carriers, &mut Slots, &mut Vec<u32>),
-    (point, seed): (&DomainPoint, TetId),
+    notes: Notes<'_>,
+    point: &DomainPoint,
+    seed: TetId,
     directory: &Directory,
 ) -> Insert<TetId> {
+    let Notes { carriers, slots, star } = notes;
     star.clear();
     let own = |t: TetId| slots.region(t);
     let changed = |t: TetId| slots.written.has(t.index());

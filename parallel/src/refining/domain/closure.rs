@@ -3,7 +3,7 @@
 
 use super::values::{DomainPiece, DomainPoint, ItemKey, segment_key, subface_key};
 use crate::mesh::VertexName;
-use crate::protocol::WorkerId;
+use crate::protocol::{Part, WorkerId};
 use ltbw_core::topology::TetId;
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
@@ -56,7 +56,7 @@ pub(super) struct LockedClosure {
 
 impl LockedClosure {
     /// Puts together what the owners have told. A vertex has one number, whoever names it.
-    pub(super) fn of(parts: &[(WorkerId, Vec<DomainPiece>)]) -> Self {
+    pub(super) fn of(parts: &[Part<DomainPiece>]) -> Self {
         let mut own = Self::default();
         let mut numbers: FxHashMap<VertexName, u32> = FxHashMap::default();
         let all = parts.iter().flat_map(|(owner, pieces)| pieces.iter().map(move |p| (owner, p)));

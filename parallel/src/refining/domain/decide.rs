@@ -7,7 +7,7 @@ use super::values::{
     Asked, BoundVertex, DomainPatch, DomainPiece, DomainPoint, End, Regions, subface_key,
 };
 use crate::mesh::Patch;
-use crate::protocol::{Directory, Name, Submesh, WorkerId};
+use crate::protocol::{Directory, Name, Part, Submesh, WorkerId};
 use ltbw_refine::Carrier;
 use smallvec::{SmallVec, smallvec};
 
@@ -16,7 +16,7 @@ impl DomainMesh<'_> {
     fn filled(
         &mut self,
         point: &DomainPoint,
-        parts: &[(WorkerId, Vec<DomainPiece>)],
+        parts: &[Part<DomainPiece>],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, DomainPatch)> {
@@ -75,7 +75,7 @@ impl DomainMesh<'_> {
     pub(super) fn decide(
         &mut self,
         point: &DomainPoint,
-        parts: &[(WorkerId, Vec<DomainPiece>)],
+        parts: &[Part<DomainPiece>],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, DomainPatch)> {

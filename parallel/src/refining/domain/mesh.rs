@@ -6,14 +6,14 @@
 //! that goes first, which one of them brings to the owner of a tetrahedron at it.
 
 use super::carriers::Carriers;
-use super::chosen::{AtOnce, Slots, insert_chosen};
+use super::chosen::{AtOnce, Notes, Slots, insert_chosen};
 use super::values::{
     Asked, BoundVertex, DomainCargo, DomainPatch, DomainPiece, DomainPoint, End, ItemKey,
 };
 use crate::mesh::{LocalMesh, Piece, VertexName};
 use crate::protocol::{
-    BlockId, Correct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
-    SubmeshError, Ticket, Walk, WorkerId,
+    BlockId, Correct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Part, Rules,
+    Submesh, SubmeshError, Ticket, Walk, WorkerId,
 };
 use crate::refining::news::DomainNews;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
@@ -118,7 +118,7 @@ impl<'c> DomainMesh<'c> {
     }
 
     /// Is there still this tetrahedron, given by its slot and vertices?
-    pub(crate) fn has(&self, (t, v): (TetId, [VertexId; 4])) -> bool {
+    pub(crate) fn has(&self, t: TetId, v: [VertexId; 4]) -> bool {
         let tets = self.inner.tets();
         tets.is_live(t) && tets.vertices(t) == v
     }
@@ -246,7 +246,8 @@ impl Submesh for DomainMesh<'_> {
         if point.is_chosen {
             let Self { inner, carriers, slots, star, .. } = self;
             self.at_once = AtOnce::Filled;
-            return insert_chosen(inner, (carriers, slots, star), (point, seed), directory);
+            let notes = Notes { carriers, slots, star };
+            return insert_chosen(inner, notes, point, seed, directory);
         }
         let waits = point.carrier != Carrier::Free;
         if waits && self.inner.holder(seed).is_some() {
@@ -311,7 +312,7 @@ impl Submesh for DomainMesh<'_> {
         self.inner.neighbours(t, f);
     }
 
-    fn corners(parts: &[(WorkerId, Vec<DomainPiece>)]) -> Vec<u64> {
+    fn corners(parts: &[Part<DomainPiece>]) -> Vec<u64> {
         let pieces = parts.iter().flat_map(|(_, pieces)| pieces);
         LocalMesh::names_of(pieces.flat_map(|own| own.piece.vertices.iter().map(|v| v.name)))
     }
@@ -353,7 +354,7 @@ impl Submesh for DomainMesh<'_> {
     fn fill(
         &mut self,
         point: &DomainPoint,
-        parts: &[(WorkerId, Vec<DomainPiece>)],
+        parts: &[Part<DomainPiece>],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, DomainPatch)> {

@@ -48,16 +48,25 @@ pub(super) use way::{FarFace, labels_at};
 
 use super::RefineError;
 use crate::mesh::start::{Cut, Given};
-use crate::mesh::{Blocks, Layout, Prepared, SharedInput, VertexName, Wanted, given};
+use crate::mesh::{Blocks, Layout, Prepared, SharedInput, VertexName, Wanted, Weight, given};
 use crate::protocol::{BlockId, Config, Rules, Source, Worker, WorkerId};
 use ltbw_core::order::{Curve, bounding_box};
 use ltbw_core::topology::TetId;
-use ltbw_exact::{Mode, Point, PointSet};
+use ltbw_exact::{Mode, PointSet};
 use ltbw_refine::{Carrier, Complex, ComplexError, Start};
 use std::sync::Arc;
 
 /// A worker that refines a domain without rounds.
 pub type DomainNode<'c, C> = Worker<DomainMesh<'c>, BadItems, C>;
+
+/// The workers that refine a domain.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Their number, and the way in which parts are dealt to them.
+    pub layout: Layout,
+    /// The configuration of each.
+    pub config: Config,
+}
 
 /// Workers, and all that they share.
 pub(super) type Begun<'c, Q, C> = (Vec<Worker<DomainMesh<'c>, Q, C>>, SharedInput);
@@ -71,7 +80,7 @@ const PLACES: usize = 4096;
 /// Domains end at halves and quarters of their box. If cells of the curve meet there, all vertices
 /// on such an end may be in cells outside the domain, and so with one worker: of two unit cubes
 /// side by side it had twice the others' work. The other curves have a larger box.
-fn curve_for(start: &Start, weights: &[(Point, u64)], layout: &Layout) -> Curve {
+fn curve_for(start: &Start, weights: &[Weight], layout: &Layout) -> Curve {
     let (low, high) = bounding_box(&start.points);
     let larger = |part: f64| [0, 1, 2].map(|k| high[k] + (high[k] - low[k]) * part);
     let divided = |curve: &Curve| {

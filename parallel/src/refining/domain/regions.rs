@@ -3,13 +3,13 @@
 
 use super::values::{DomainPiece, ItemKey, subface_key};
 use crate::mesh::{Link, Side, VertexName};
-use crate::protocol::WorkerId;
+use crate::protocol::Part;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// The sides of a cavity that are its boundary, by the names of their vertices, with their pieces
 /// and their places there.
 fn sides(
-    parts: &[(WorkerId, Vec<DomainPiece>)],
+    parts: &[Part<DomainPiece>],
 ) -> impl Iterator<Item = ([VertexName; 3], &DomainPiece, usize)> {
     let pieces = || parts.iter().flat_map(|(_, pieces)| pieces);
     let named: FxHashSet<_> = pieces().flat_map(|own| own.piece.names.iter().copied()).collect();
@@ -23,9 +23,7 @@ fn sides(
 }
 
 /// The region of the tetrahedra on the sides of a cavity; if they are not in one, those by side.
-pub(super) fn regions(
-    parts: &[(WorkerId, Vec<DomainPiece>)],
-) -> Result<u32, FxHashMap<ItemKey, u32>> {
+pub(super) fn regions(parts: &[Part<DomainPiece>]) -> Result<u32, FxHashMap<ItemKey, u32>> {
     let mut all = parts.iter().flat_map(|(_, pieces)| pieces).flat_map(|own| &own.regions);
     let first = all.next().copied().unwrap_or_default();
     if all.all(|&region| region == first) {

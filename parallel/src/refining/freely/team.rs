@@ -45,7 +45,7 @@ pub fn domain_on_team(
     }
     let Wishes { in_parts, with_exterior, markers, .. } = wishes;
     let ends = Ends { in_parts, with_exterior, markers, fine_step: lattice.fine_step() };
-    let ended = by_all(delegated?, (parallel, cancel), team, ends);
+    let ended = by_all(delegated?, parallel, cancel, team, ends);
     if ended.is_err() {
         // Others may wait for this one.
         team.fail();
@@ -60,7 +60,8 @@ pub fn domain_on_team(
 /// end.
 fn by_all(
     delegated: Delegated<'_>,
-    (parallel, cancel): (&Parallel<'_>, &CancelToken),
+    parallel: &Parallel<'_>,
+    cancel: &CancelToken,
     team: &mut Team,
     ends: Ends<'_>,
 ) -> Result<Result<TeamEnd<ThreadedDomain>, RefineError>, RefineError> {
@@ -69,8 +70,8 @@ fn by_all(
         Err(_) if !team.is_first() => return elsewhere(team, cancel).map(Ok),
         Err(why) => return team.work_alone(cancel, || alone(delegated, why)).map_err(of_team),
     };
-    let plan = (parallel.plan_for(start.points.len()), parallel.config());
-    let (nodes, common) = begin::<Correct>(complex, &start, plan)?;
+    let layout = parallel.plan_for(start.points.len());
+    let (nodes, common) = begin::<Correct>(complex, &start, layout, parallel.config())?;
     let me = team.me();
     let node: DomainNode<'_, Correct> =
         nodes.into_iter().nth(me.index()).ok_or_else(|| of_team(TeamError::Failed(me)))?;
@@ -102,7 +103,7 @@ fn by_all(
         return elsewhere(team, cancel).map(Ok);
     }
     let Collected { parts, stats: workers } =
-        Collected::at_first(team, (part, splits), stats, &common)?;
+        Collected::at_first(team, part, splits, stats, &common)?;
     let mut splits = Splits::default();
     let add = |(part, own): (Part, Splits)| {
         splits.add(&own);
@@ -111,7 +112,7 @@ fn by_all(
     let parts: Vec<Part> = parts.into_iter().map(add).collect();
     let finite = |part: &Part| part.mesh.tets().tets().filter(|(_, v)| v[3] != INFINITE).count();
     let tets = parts.iter().map(|part| finite(part) as u64).sum();
-    let on_alone = || end(delegated, parts, (common, &start));
+    let on_alone = || end(delegated, parts, common, &start);
     let ended = team.work_alone(cancel, on_alone).map_err(of_team)?;
     let late = LateSteps { why, tets, seconds: since.elapsed().as_secs_f64() };
     Ok(ended.map(|(refined, owners)| {

@@ -1,6 +1,6 @@
 //! The news about circles of boundary items that wait for each other.
 
-use super::{Bits, OWNED, Owned, PLACE, WireCorner, WireItem, WireLimit, WireRefusal, bits};
+use super::{Bits, OWNED, Owned, PLACE, WireCorner, WireItem, WireItemRefusal, WireLimit, bits};
 use super::{corners_bytes, item_bytes, point};
 use ltbw_core::topology::TetId;
 use ltbw_domain::vector::distance2;
@@ -95,7 +95,7 @@ pub struct WireParted {
     /// Items that are not to be split any more.
     pub(crate) ended: Vec<ItemPlace>,
     /// Items that are refused, or are not any more.
-    pub(crate) refused: Vec<(ItemPlace, Option<WireRefusal>)>,
+    pub(crate) refused: Vec<WireItemRefusal>,
     /// The transactions of joint steps in rounds so far.
     pub(crate) spent: u64,
     /// The regions of tetrahedra that are new or have another one than before.

@@ -46,7 +46,7 @@ impl<C: Rules> Rounds<C> {
 
     /// Finds the cavity of a tetrahedron's point, if nothing of its closure is another worker's.
     fn find_ahead(&mut self, mesh: &mut DomainMesh<'_>, (t, v): Own) {
-        if !mesh.has((t, v)) {
+        if !mesh.has(t, v) {
             return;
         }
         let points = v.map(|v| mesh.point(v));
@@ -56,7 +56,7 @@ impl<C: Rules> Rounds<C> {
             return;
         };
         let Some(cavity) = mesh.cavity_of(seed, &point) else { return };
-        self.ahead.enter((t, v), (to, carrier), self.keys.own.look(), cavity);
+        self.ahead.enter((t, v), to, carrier, self.keys.own.look(), cavity);
     }
 
     /// Enters the aim and the cavity of the first probe for a tetrahedron as they were found ahead;

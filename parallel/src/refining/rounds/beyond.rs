@@ -2,7 +2,7 @@
 //! beyond tell, and beyond an interface face these are others'. Its owner asks for them.
 
 use super::candidate::{Probe, Told, What};
-use super::serve::{Answer, describe};
+use super::serve::{Answer, LookedAt, describe};
 use super::source::Rounds;
 use crate::protocol::{Directory, Handle, Rules, Submesh, WorkerId};
 use crate::refining::domain::{DomainMesh, labels_at};
@@ -39,7 +39,8 @@ impl Probe {
     pub(super) fn sides(
         &self,
         mesh: &DomainMesh<'_>,
-        (t, v): (TetId, [VertexId; 4]),
+        t: TetId,
+        v: [VertexId; 4],
     ) -> Option<Vec<BoundaryItem>> {
         let told = self.told.as_deref().filter(|_| self.asks_beyond);
         if told.is_none() && far_sides(mesh, t).next().is_some() {
@@ -85,8 +86,11 @@ impl<C: Rules> Rounds<C> {
         probe: ProbeId,
         at: &[Handle],
     ) {
-        let here: Vec<(TetId, bool)> =
-            at.iter().filter_map(|handle| Some((mesh.resolve(handle.name)?, false))).collect();
+        let looked = |handle: &Handle| {
+            let t = mesh.resolve(handle.name)?;
+            Some(LookedAt { t, is_in: false })
+        };
+        let here: Vec<LookedAt> = at.iter().filter_map(looked).collect();
         let found = describe(mesh, &here, Carrier::Free, true);
         let answer = Answer { found, ..Answer::bare(PartEnd::Found) };
         self.answer(mesh, directory, probe, answer);
@@ -108,7 +112,7 @@ impl<C: Rules> Rounds<C> {
             return;
         }
         let What::Tet(t, v) = probe.what else { return self.give_up(mesh, k) };
-        let Some(sides) = probe.sides(mesh, (t, v)) else { return self.give_up(mesh, k) };
+        let Some(sides) = probe.sides(mesh, t, v) else { return self.give_up(mesh, k) };
         probe.asks_beyond = false;
         match probe.sliver.as_ref().map(|own| own.0) {
             None => self.conclude_with(mesh, k, &sides),

@@ -13,18 +13,23 @@ use crate::protocol::{Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{DomainNews, Fate, PartEnd, ProbeId, bits, point};
 use ltbw_core::Point;
-use ltbw_refine::{Aim, Block, Blocks, ItemPlace, RankLead, Reason};
+use ltbw_refine::{Aim, Block, Blocks, ItemPlace, KeptBlock, RankLead, Reason};
+
+/// A block of which no more is known than what it is.
+fn kept(block: Block) -> KeptBlock<()> {
+    KeptBlock { block, here: () }
+}
 
 impl<C: Rules> Rounds<C> {
     /// Blocks that others have left.
     pub(super) fn resume_blocks(&mut self, left: &[Block]) {
-        self.barriers.all = Blocks::of(left.iter().map(|own| (own.clone(), ())).collect());
+        self.barriers.all = Blocks::of(left.iter().cloned().map(kept).collect());
     }
 
     /// A round that splits tetrahedra begins: forgets blocks whose subfaces may be split by now.
     pub(super) fn check_blocks(&mut self) {
         let refused = &self.demands.refused.all;
-        self.barriers.all.retain(|own| refused.contains_key(&own.0.place()));
+        self.barriers.all.retain(|own| refused.contains_key(&own.block.place()));
         self.barriers.followers.clear();
     }
 
@@ -48,8 +53,8 @@ impl<C: Rules> Rounds<C> {
         let what = What::Tet(own.0, own.1);
         let past = what.under_limit(mesh, &self.past(&what));
         let near = || mesh.complex.reason_near(own.1.map(|v| mesh.corner(v)));
-        let bars = |block: &(Block, ())| past.bars(block.0.place());
-        self.barriers.all.refuse(|block| block.0.is_lost_to(p), bars, near)
+        let bars = |own: &KeptBlock<()>| past.bars(own.block.place());
+        self.barriers.all.refuse(|own| own.block.is_lost_to(p), bars, near)
     }
 
     /// Notes whether a block bars the tetrahedron of a probe, whose point is known.
@@ -105,7 +110,7 @@ impl<C: Rules> Rounds<C> {
     }
 
     pub(super) fn take_blocks(&mut self, blocks: Vec<Block>) {
-        self.barriers.all.note(blocks.into_iter().map(|block| (block, ())));
+        self.barriers.all.note(blocks.into_iter().map(kept));
     }
 
     /// All probes have ended, and there are `followers` in all: those here that a block bars are
@@ -138,7 +143,7 @@ impl<C: Rules> Rounds<C> {
     /// A point is chosen: notes the blocks beside which it takes tetrahedra away.
     pub(super) fn touch_blocks(&mut self, p: &Point) {
         let Barriers { all, touched, .. } = &mut self.barriers;
-        let kept = all.kept().iter().map(|own| &own.0);
+        let kept = all.kept().iter().map(|own| &own.block);
         touched.extend(kept.filter(|own| own.is_touched_by(p)).map(Block::place));
     }
 
@@ -154,12 +159,12 @@ impl<C: Rules> Rounds<C> {
     }
 
     pub(super) fn forget_blocks(&mut self, touched: &[ItemPlace]) {
-        self.barriers.all.retain(|own| !touched.contains(&own.0.place()));
+        self.barriers.all.retain(|own| !touched.contains(&own.block.place()));
     }
 
     /// The blocks that are left.
     pub(super) fn blocks_left(&self) -> Vec<Block> {
-        self.barriers.all.kept().iter().map(|own| own.0.clone()).collect()
+        self.barriers.all.kept().iter().map(|own| own.block.clone()).collect()
     }
 
     /// The refusals of tetrahedra that follow others are carried out, whoever is in their place.

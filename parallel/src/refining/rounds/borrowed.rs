@@ -3,7 +3,7 @@
 use crate::protocol::WorkerId;
 use crate::refining::flags::Flags;
 use crate::refining::news::{
-    Ball, Bits, Owned, WireCorner, WireLent, WirePart, WireParted, WirePoint, WireRefusal, bits,
+    Ball, Bits, Owned, WireCorner, WireItemRefusal, WireLent, WirePart, WireParted, WirePoint, bits,
 };
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
@@ -83,7 +83,7 @@ impl Circles {
         WireParted {
             points: parted.points.iter().map(told).collect(),
             ended: parted.ended,
-            refused: refused.map(|(place, why)| (place, why.map(WireRefusal::new))).collect(),
+            refused: refused.map(|(place, why)| WireItemRefusal::new(place, why)).collect(),
             spent: parted.spent as u64,
             labels: parted.labels.iter().map(|own| (own.place, own.region)).collect(),
             relabelled: parted.relabelled.into_iter().map(owned).collect(),

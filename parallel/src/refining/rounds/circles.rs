@@ -13,8 +13,8 @@ use crate::protocol::{Rules, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::flags::Flags;
 use crate::refining::news::{
-    Ball, Bits, DomainNews, WireAsked, WireCorner, WireLent, WirePart, WireParted, WirePoint,
-    WireRefusal, bits, point,
+    Ball, Bits, DomainNews, WireAsked, WireCorner, WireItemRefusal, WireLent, WirePart, WireParted,
+    WirePoint, WireRefusal, bits, point,
 };
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
@@ -148,11 +148,11 @@ impl<C: Rules> Rounds<C> {
         self.budget.total += told.points.len() as i64;
         self.figures.parted_points += told.points.len() as u64;
         let points: Vec<Point> = told.points.iter().map(|own| point(&own.at)).collect();
-        self.barriers.all.retain(|own| !points.iter().any(|p| own.0.is_touched_by(p)));
+        self.barriers.all.retain(|own| !points.iter().any(|p| own.block.is_touched_by(p)));
         let ended: BTreeSet<_> = told.ended.iter().copied().collect();
         self.demands.forget(&ended);
-        for (place, why) in &told.refused {
-            self.demands.refused.set(*place, why.map(WireRefusal::refusal));
+        for &WireItemRefusal { place, why } in &told.refused {
+            self.demands.refused.set(place, why.map(WireRefusal::refusal));
         }
         for own in &told.points {
             self.choose_parted(mesh, own);

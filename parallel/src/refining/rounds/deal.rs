@@ -108,7 +108,7 @@ pub(super) fn redeal<'c, C: Rules>(
     let Some(first) = all.first() else { return Ok((Vec::new(), Vec::new())) };
     let Layout { workers, redeal, .. } = common.layout;
     let is_forced = matches!(redeal, Redeal::Every(_));
-    let blocks = cuts(&parts, (first.mesh.inner.blocks(), common.points), is_forced);
+    let blocks = cuts(&parts, first.mesh.inner.blocks(), common.points, is_forced);
     if let Some(blocks) = &blocks {
         move_all(&mut all, blocks, exchange)?;
     }

@@ -42,8 +42,15 @@ impl Refused {
     /// Notes that all are to be told of an item that this worker keeps.
     fn tell(&mut self, place: ItemPlace, why: Option<Refusal>, settled: &mut Settled) {
         self.set(place, why);
-        settled.refused.push((place, why));
+        settled.refused.push(ItemRefusal { place, why });
     }
+}
+
+/// An item that is refused, or is not any more.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ItemRefusal {
+    pub(super) place: ItemPlace,
+    pub(super) why: Option<Refusal>,
 }
 
 /// The consequences of a round's news about the items of a keeper.
@@ -52,7 +59,7 @@ pub(super) struct Settled {
     /// The items that waited for those that are gone or refused, with their keepers.
     pub(super) waited: Vec<(WorkerId, ItemPlace)>,
     /// The items that are refused, or are not any more.
-    pub(super) refused: Vec<(ItemPlace, Option<Refusal>)>,
+    pub(super) refused: Vec<ItemRefusal>,
 }
 
 /// The boundary items that a worker keeps, and the news of a round about them.

@@ -40,7 +40,8 @@ impl Ahead {
     pub(super) fn enter(
         &mut self,
         (t, v): Own,
-        (to, carrier): (Bits, Carrier),
+        to: Bits,
+        carrier: Carrier,
         look: u32,
         cavity: &[TetId],
     ) {

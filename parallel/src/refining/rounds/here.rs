@@ -1,5 +1,6 @@
 //! A closure that is all one worker's, as a survey reads it.
 
+use super::serve::LookedAt;
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_refine::{Corner, NOWHERE, Surveyed};
@@ -24,12 +25,12 @@ impl<'m, 'c> Here<'m, 'c> {
         Self { mesh, cavity, known }
     }
 
-    /// The closure, each tetrahedron once, and whether it is in conflict.
-    pub(super) fn listed(&self) -> Vec<(TetId, bool)> {
+    /// The closure, each tetrahedron once.
+    pub(super) fn listed(&self) -> Vec<LookedAt> {
         let around = self.cavity.iter().flat_map(|&t| self.mesh.inner.tets().neighbours(t));
         let ring: BTreeSet<TetId> = around.map(tet_of).filter(|&t| !self.is_in(t)).collect();
-        let inside = self.cavity.iter().map(|&t| (t, true));
-        inside.chain(ring.into_iter().map(|t| (t, false))).collect()
+        let inside = self.cavity.iter().map(|&t| LookedAt { t, is_in: true });
+        inside.chain(ring.into_iter().map(|t| LookedAt { t, is_in: false })).collect()
     }
 }
 

@@ -19,7 +19,7 @@ use crate::refining::domain::{DomainMesh, is_beyond_help};
 use crate::refining::flags::Flags;
 use ltbw_core::Point;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
-use ltbw_refine::{Keys, Rank, RankLead, Refusal, ThinTets};
+use ltbw_refine::{Keys, Rank, RankLead, Refusal, Solid, ThinTets};
 use rustc_hash::FxHashMap;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -51,6 +51,13 @@ pub(super) struct Foremost {
     pub(super) lead: RankLead,
     /// The first of its vertices.
     pub(super) at: Point,
+}
+
+/// A tetrahedron that has come and is over its bounds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OverHere {
+    pub(super) t: TetId,
+    pub(super) key: u64,
 }
 
 /// The tetrahedra over their bounds, and what others tell of theirs.
@@ -117,7 +124,8 @@ impl SharedKeys {
         let inside = tets.iter().copied().filter_map(|t| {
             let region = mesh.region(t);
             let is_inside = all.is_live(t) && all.vertices(t)[3] != INFINITE && region != 0;
-            is_inside.then(|| (t, all.vertices(t).map(|v| mesh.point(v)), region))
+            let corners = || all.vertices(t).map(|v| mesh.point(v));
+            is_inside.then(|| Solid { tet: t, corners: corners(), region })
         });
         let mut thin = std::mem::take(&mut self.thin);
         let tell = |t: TetId| thin.tets.push((t, all.vertices(t)));
@@ -151,7 +159,7 @@ impl SharedKeys {
     /// A tetrahedron is refused: it has no rank any more.
     pub(super) fn refuse(&mut self, mesh: &DomainMesh<'_>, own: Own, why: Refusal) {
         // Others insert already.
-        if mesh.has(own) {
+        if mesh.has(own.0, own.1) {
             // No look so far has found it so.
             self.own.write(own.0, 0, self.own.look() + 1);
             self.withdrawn.push(own);
@@ -159,9 +167,9 @@ impl SharedKeys {
         self.refused.insert(own, why);
     }
 
-    /// Tetrahedra were refused in rounds before.
-    pub(super) fn refuse_again(&mut self, refused: impl Iterator<Item = (Own, Refusal)>) {
-        self.refused.extend(refused);
+    /// A tetrahedron was refused in rounds before.
+    pub(super) fn refuse_again(&mut self, own: Own, why: Refusal) {
+        self.refused.insert(own, why);
     }
 
     /// Why a tetrahedron was refused, if it was.
@@ -183,10 +191,10 @@ impl SharedKeys {
         self.leave(tets);
     }
 
-    /// Enters tetrahedra that have come and are over their bounds, by their keys.
-    pub(super) fn enter_over<C: Rules>(&mut self, mesh: &DomainMesh<'_>, over: &[(TetId, u64)]) {
+    /// Enters tetrahedra that have come and are over their bounds.
+    pub(super) fn enter_over<C: Rules>(&mut self, mesh: &DomainMesh<'_>, over: &[OverHere]) {
         let first = self.own.count();
-        over.iter().for_each(|&(t, key)| self.own.enter(t, key));
+        over.iter().for_each(|own| self.own.enter(own.t, own.key));
         self.own.find_witnesses(&RankedHere::<C>::of(mesh), first);
     }
 
@@ -234,16 +242,16 @@ impl SharedKeys {
             self.own.forget(t);
         }
         if !self.refused.is_empty() {
-            self.refused.retain(|&own, _| mesh.has(own));
+            self.refused.retain(|&(t, v), _| mesh.has(t, v));
         }
-        for (t, _) in self.withdrawn.clone().into_iter().filter(|&own| mesh.has(own)) {
+        for (t, _) in self.withdrawn.clone().into_iter().filter(|&(t, v)| mesh.has(t, v)) {
             for near in tets.neighbours(t).map(tet_of).into_iter().chain([t]) {
                 if self.is_beside(near) {
                     self.touch(near);
                 }
             }
         }
-        self.thin.forget_old(|own| mesh.has(own));
+        self.thin.forget_old(|(t, v)| mesh.has(t, v));
         debug_assert!(self.has_all_interface_faces(mesh));
     }
 
@@ -254,7 +262,7 @@ impl SharedKeys {
 
     /// The tetrahedra that were refused.
     pub(super) fn refused(&self, mesh: &DomainMesh<'_>) -> Vec<(TetId, Refusal)> {
-        let left = self.refused.iter().filter(|(own, _)| mesh.has(**own));
+        let left = self.refused.iter().filter(|((t, v), _)| mesh.has(*t, *v));
         let mut all: Vec<(TetId, Refusal)> = left.map(|(own, why)| (own.0, *why)).collect();
         all.sort_unstable_by_key(|own| own.0);
         all
@@ -262,7 +270,7 @@ impl SharedKeys {
 
     /// The tetrahedra that may have tiny dihedral angles.
     pub(super) fn thin(&self, mesh: &DomainMesh<'_>) -> Vec<TetId> {
-        let left = self.thin.tets.iter().copied().filter(|&own| mesh.has(own));
+        let left = self.thin.tets.iter().copied().filter(|&(t, v)| mesh.has(t, v));
         let mut all: Vec<TetId> = left.map(|(t, _)| t).collect();
         // Some are told of twice.
         all.sort_unstable();
@@ -333,7 +341,7 @@ impl SharedKeys {
     fn is_before<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId, rank: &Rank) -> bool {
         match self.own.at(t) {
             0 => self.heard(mesh, t).is_some_and(|other| other < rank),
-            key => compare::<C>(mesh, (t, key), rank).is_lt(),
+            key => compare::<C>(mesh, t, key, rank).is_lt(),
         }
     }
 
@@ -352,7 +360,7 @@ impl SharedKeys {
         let mut own = std::mem::take(&mut self.own);
         own.sift(&RankedHere::<C>::of(mesh), |t, key| {
             let is_inner = !self.is_beside(t);
-            if !self.is_beaten_from_afar::<C>(mesh, (t, key)) {
+            if !self.is_beaten_from_afar::<C>(mesh, t, key) {
                 // All that is read of it is in the cache now.
                 let v = mesh.inner.tets().vertices(t);
                 let (lead, at) = (RankLead::of_tet(key), mesh.point(v[0]));
@@ -370,11 +378,7 @@ impl SharedKeys {
 
     /// Sifts some more entries, so that they have their witnesses when the foremost are found.
     /// Tells of tetrahedra away from interface faces that may be foremost then.
-    pub(super) fn sift_ahead<C: Rules>(
-        &mut self,
-        mesh: &mut DomainMesh<'_>,
-        told: &mut Vec<(TetId, [VertexId; 4])>,
-    ) {
+    pub(super) fn sift_ahead<C: Rules>(&mut self, mesh: &mut DomainMesh<'_>, told: &mut Vec<Own>) {
         self.make_room(mesh);
         let mut own = std::mem::take(&mut self.own);
         let count = own.sift_ahead(&RankedHere::<C>::of(mesh), |t| {
@@ -393,13 +397,13 @@ impl SharedKeys {
     }
 
     /// Does one that is another worker's come before one that nothing here comes before?
-    fn is_beaten_from_afar<C: Rules>(&self, mesh: &DomainMesh<'_>, (t, key): (TetId, u64)) -> bool {
+    fn is_beaten_from_afar<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId, key: u64) -> bool {
         let tets = mesh.inner.tets();
         let around = tets.neighbours(t).map(tet_of);
         if !self.is_by_interface(mesh, t) {
             return false;
         }
-        let is_before = |rank: &Rank| compare::<C>(mesh, (t, key), rank).is_gt();
+        let is_before = |rank: &Rank| compare::<C>(mesh, t, key, rank).is_gt();
         around.into_iter().any(|n| match tets.far_place(n) {
             Some(place) => self
                 .far
@@ -415,7 +419,7 @@ impl SharedKeys {
 
 /// The order of the rank of a tetrahedron over its bounds, which has this key, and another one:
 /// mostly by the keys.
-fn compare<C: Rules>(mesh: &DomainMesh<'_>, (t, key): (TetId, u64), rank: &Rank) -> Ordering {
+fn compare<C: Rules>(mesh: &DomainMesh<'_>, t: TetId, key: u64, rank: &Rank) -> Ordering {
     let whole = || rank_of::<C>(mesh, mesh.inner.tets().vertices(t)).cmp(rank);
     rank.key().cmp(&key).then_with(whole)
 }

@@ -4,7 +4,7 @@
 use super::{Ending, Left};
 use crate::refining::domain::{DomainMesh, labels_at};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
-use ltbw_refine::Delegated;
+use ltbw_refine::{Delegated, Solid};
 
 /// Why one member has the mesh in the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -62,7 +62,10 @@ pub(in crate::refining) fn look(
     }
     let tets = mesh.inner.tets();
     let finite = || tets.tets().filter(|(_, v)| v[3] != INFINITE);
-    let all = finite().map(|(t, v)| (t, v.map(|v| mesh.point(v)), mesh.region(t)));
+    let all = finite().map(|(t, v)| {
+        let corners = v.map(|v| mesh.point(v));
+        Solid { tet: t, corners, region: mesh.region(t) }
+    });
     let is_flat = |t: TetId| complex.is_flat(|k| mesh.carrier(tets.vertices(t)[k]));
     let amiss = complex.amiss(all, is_flat);
     let is_dust = |(t, v): (TetId, [VertexId; 4])| {

@@ -52,7 +52,7 @@ impl<C: Rules> Rounds<C> {
         if !left.refused_tets.is_empty() {
             let refused: BTreeMap<TetPlace, Refusal> = left.refused_tets.iter().copied().collect();
             let own = finite().filter_map(|(t, v)| Some(((t, v), *refused.get(&place(&v))?)));
-            self.keys.refuse_again(own);
+            own.for_each(|(own, why)| self.keys.refuse_again(own, why));
         }
         if let Some(slivers) = &left.slivers {
             let slivers: BTreeSet<TetPlace> = slivers.iter().copied().collect();

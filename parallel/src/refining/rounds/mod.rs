@@ -100,7 +100,7 @@ pub(super) use parts::{Ended, Ends, Own, Stays};
 pub use parts::{PartMesh, RefinedPart, RefinedWhole, SliverThere};
 #[cfg(feature = "wire")]
 pub use ranks::{Checkpoints, TeamRounds, Wishes, rounds_on_team};
-pub use reserved::unkilled;
+pub use reserved::{InnerCandidate, unkilled};
 pub use simulated::{SimulatedRounds, simulate_rounds, simulate_rounds_as};
 pub use source::Rounds;
 pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};

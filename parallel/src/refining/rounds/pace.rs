@@ -54,7 +54,8 @@ impl Part {
 /// Other cuts, by the work of all; `None` if they would not help.
 pub(super) fn cuts(
     parts: &[Part],
-    (blocks, points): (&Blocks, &[Point]),
+    blocks: &Blocks,
+    points: &[Point],
     is_forced: bool,
 ) -> Option<Blocks> {
     let all: u64 = parts.iter().map(Part::sum).sum();

@@ -78,7 +78,7 @@ impl<C: Rules> Rounds<C> {
                 let What::Tet(t, v) = self.choice.probes[k as usize].what else {
                     return self.refuse_without_aim(mesh, k);
                 };
-                match self.choice.probes[k as usize].sides(mesh, (t, v)) {
+                match self.choice.probes[k as usize].sides(mesh, t, v) {
                     Some(sides) => self.conclude_with(mesh, k, &sides),
                     None => self.ask_beyond(mesh, directory, k),
                 }

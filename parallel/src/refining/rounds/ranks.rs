@@ -258,9 +258,9 @@ impl Member<'_, '_> {
                 Stays::Not(why) => late = why,
             }
             let Rest { mesh, left, common } = rest;
-            let left = (Part::of(mesh), left);
+            let part = Part::of(mesh);
             let Collected { parts: all, stats } =
-                Collected::at_first(self.team, left, self.stats, &common)?;
+                Collected::at_first(self.team, part, left, self.stats, &common)?;
             workers = stats;
             let before = (&start, delegated.stats());
             let (handed, ending, slots) = join(all, common, before, &mut resumed.figures)?;

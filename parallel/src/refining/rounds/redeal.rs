@@ -6,6 +6,7 @@
 //! where the other will be: the word says it, and the cargo says it on.
 
 use super::demands::Pending;
+use super::keys::OverHere;
 use super::pace::{OVER, Part, TET};
 use super::source::{Rounds, Stage, Waves};
 use crate::mesh::redeal::{Dealt, Leaving, Turned};
@@ -180,14 +181,14 @@ impl<C: Rules> Rounds<C> {
                 slots.get(k as usize).copied().ok_or(unknown)
             };
             for (k, key) in cargo.over {
-                over.push((slot(k)?, key));
+                over.push(OverHere { t: slot(k)?, key });
             }
             for k in cargo.thin {
                 self.keys.enter_thin(mesh, slot(k)?);
             }
             for (k, why) in cargo.refused {
                 let t: TetId = slot(k)?;
-                self.keys.refuse_again([((t, mesh.inner.tets().vertices(t)), why)].into_iter());
+                self.keys.refuse_again((t, mesh.inner.tets().vertices(t)), why);
             }
             for Asked { item, first, limit } in cargo.asked {
                 let own = Pending { item, first, limit, near: None };

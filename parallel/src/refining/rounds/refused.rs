@@ -3,12 +3,12 @@
 //! its owner knows.
 
 use super::candidate::{Outcome, What};
-use super::demands::Refused;
+use super::demands::{ItemRefusal, Refused};
 use super::source::Rounds;
 use crate::protocol::Rules;
 use crate::refining::domain::DomainMesh;
-use crate::refining::news::{DomainNews, WireRefusal};
-use ltbw_refine::{ItemPlace, Past, Reason, Refusal};
+use crate::refining::news::{DomainNews, WireItemRefusal, WireRefusal};
+use ltbw_refine::{Past, Reason, Refusal};
 
 impl<C: Rules> Rounds<C> {
     /// All that a verdict asks of earlier rounds.
@@ -46,21 +46,20 @@ impl<C: Rules> Rounds<C> {
     }
 
     /// Tells all others which items of this keeper are refused, or are not any more.
-    pub(super) fn tell_refusals(&mut self, told: &[(ItemPlace, Option<Refusal>)]) {
+    pub(super) fn tell_refusals(&mut self, told: &[ItemRefusal]) {
         // R29.
         if told.is_empty() || !C::tells_refusals() {
             return;
         }
-        let wire =
-            |&(place, why): &(ItemPlace, Option<Refusal>)| (place, why.map(WireRefusal::new));
+        let wire = |own: &ItemRefusal| WireItemRefusal::new(own.place, own.why);
         let news = DomainNews::Refused(told.iter().map(wire).collect());
         self.counts.releases += self.send_to_others(&news);
     }
 
     /// Another keeper tells. Nobody asks before the next round.
-    pub(super) fn take_refusals(&mut self, told: Vec<(ItemPlace, Option<WireRefusal>)>) {
+    pub(super) fn take_refusals(&mut self, told: Vec<WireItemRefusal>) {
         self.counts.releases -= 1;
-        for (place, why) in told {
+        for WireItemRefusal { place, why } in told {
             self.demands.refused.set(place, why.map(WireRefusal::refusal));
         }
     }

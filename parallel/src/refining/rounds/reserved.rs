@@ -202,22 +202,34 @@ impl Reservations {
     }
 }
 
-/// The numbers of those candidates inside, each with its rank, its own slot and its cavity, that no
-/// candidate before them kills: the rule alone, for ports.
+/// A candidate inside.
 #[doc(hidden)]
-pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
+#[derive(Clone, Debug)]
+pub struct InnerCandidate {
+    /// Its rank.
+    pub rank: Rank,
+    /// Its own slot.
+    pub own: TetId,
+    /// The cavity of its point.
+    pub cavity: Vec<TetId>,
+}
+
+/// The numbers of those candidates inside that no candidate before them kills: the rule alone, for
+/// ports.
+#[doc(hidden)]
+pub fn unkilled(candidates: &[InnerCandidate]) -> Vec<usize> {
     let mut reservations = Reservations::default();
-    let slots = candidates.iter().flat_map(|(_, own, cavity)| cavity.iter().chain([own]));
+    let slots = candidates.iter().flat_map(|one| one.cavity.iter().chain([&one.own]));
     reservations.clear(slots.map(|t| t.index() + 1).max().unwrap_or(0));
     // All ranks are told: none is that of a tetrahedron here.
-    let of_tet = |_| candidates[0].0;
-    let ranks: Vec<LazyRank> = candidates.iter().map(|own| LazyRank::told(own.0)).collect();
-    for ((_, _, cavity), rank) in candidates.iter().zip(&ranks) {
+    let of_tet = |_| candidates[0].rank;
+    let ranks: Vec<LazyRank> = candidates.iter().map(|one| LazyRank::told(one.rank)).collect();
+    for (one, rank) in candidates.iter().zip(&ranks) {
         let whose = Whose { rank: rank.clone(), carrier: Carrier::Free };
-        reservations.reserve(cavity.iter().copied(), whose, of_tet);
+        reservations.reserve(one.cavity.iter().copied(), whose, of_tet);
     }
     let dies = |&k: &usize| {
-        reservations.before(candidates[k].1, Some(k as u32), &ranks[k], of_tet).is_some()
+        reservations.before(candidates[k].own, Some(k as u32), &ranks[k], of_tet).is_some()
     };
     (0..candidates.len()).filter(|k| !dies(k)).collect()
 }

@@ -97,6 +97,6 @@ impl Probe {
             None => by_values == *verdict,
         };
         let watch = watch.map(|watch| watch.named(|t| t));
-        is_same && watch == other.map(|other| other.named(|place| order[place].0))
+        is_same && watch == other.map(|other| other.named(|place| order[place].t))
     }
 }

@@ -12,6 +12,14 @@ use ltbw_refine::{Carrier, Rank, Rival};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
+/// A tetrahedron of a closure.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LookedAt {
+    pub(super) t: TetId,
+    /// Is it in conflict with the point?
+    pub(super) is_in: bool,
+}
+
 /// One probe's part of its closure here.
 #[derive(Debug, Default)]
 pub(super) struct Part {
@@ -23,9 +31,9 @@ pub(super) struct Part {
     is_wanted: bool,
     /// If all of the closure is here: the cavity in the list of those.
     inside: Range<usize>,
-    /// The tetrahedra looked at, in the order in which the home was told, and whether each is in
-    /// conflict; none if all of the closure is here.
-    pub(super) order: Vec<(TetId, bool)>,
+    /// The tetrahedra looked at, in the order in which the home was told; none if all of the
+    /// closure is here.
+    pub(super) order: Vec<LookedAt>,
 }
 
 /// An owner's answer to a probe.
@@ -50,7 +58,7 @@ impl Part {
     fn cavity<'p>(&'p self, cavities: &'p [TetId]) -> impl Iterator<Item = TetId> + 'p {
         let order = if self.inside.is_empty() { &self.order[..] } else { &[] };
         let inside = cavities[self.inside.clone()].iter().copied();
-        inside.chain(order.iter().filter(|own| own.1).map(|own| own.0))
+        inside.chain(order.iter().filter(|own| own.is_in).map(|own| own.t))
     }
 }
 
@@ -66,7 +74,7 @@ pub(super) struct Served {
     /// The cavities of own probes whose closures are all here.
     cavities: Vec<TetId>,
     /// The memory of parts of rounds before.
-    spare: Vec<Vec<(TetId, bool)>>,
+    spare: Vec<Vec<LookedAt>>,
     /// Scratch: tetrahedra that a search has seen, and those that it has to look at.
     seen: Marks,
     stack: Vec<TetId>,
@@ -188,8 +196,8 @@ impl Served {
             std::mem::swap(&mut part.order, &mut memory);
         }
         let before = part.order.len();
-        for (t, _) in &part.order {
-            seen.mark(t.index());
+        for own in &part.order {
+            seen.mark(own.t.index());
         }
         let mut foreign = Vec::new();
         stack.extend(seeds);
@@ -199,7 +207,7 @@ impl Served {
                 continue;
             }
             let is_in = mesh.conflicts(t, p);
-            part.order.push((t, is_in));
+            part.order.push(LookedAt { t, is_in });
             if is_in {
                 let tets = mesh.inner.tets();
                 for u in tets.neighbours(t).map(tet_of) {
@@ -292,7 +300,7 @@ impl Served {
     pub(super) fn rivals<C: Rules>(&self, mesh: &DomainMesh<'_>, probe: ProbeId) -> Vec<Rival> {
         let order = self.part(probe).map_or(&[][..], |part| &part.order);
         let rival = self.rival::<C>(mesh, probe);
-        order.iter().map(|&(t, _)| rival(t)).collect()
+        order.iter().map(|own| rival(own.t)).collect()
     }
 
     /// Lists the closure of an own probe that is all here, some tetrahedra of it more than once.
@@ -326,20 +334,20 @@ fn told_of(mesh: &DomainMesh<'_>, t: TetId, carrier: Carrier) -> Option<[VertexI
 /// those of a sliver's point all is told.
 pub(super) fn describe(
     mesh: &DomainMesh<'_>,
-    tets: &[(TetId, bool)],
+    tets: &[LookedAt],
     carrier: Carrier,
     is_sliver: bool,
 ) -> WireClosure {
     let tets_told = Vec::with_capacity(tets.len());
     let mut found = WireClosure { tets: tets_told, ..WireClosure::default() };
     if mesh.complex.has_patches() || is_sliver {
-        found.regions.extend(tets.iter().map(|&(t, _)| mesh.region(t)));
+        found.regions.extend(tets.iter().map(|own| mesh.region(own.t)));
     }
     if mesh.complex.has_patches() {
-        found.slots.extend(tets.iter().map(|&(t, _)| t));
+        found.slots.extend(tets.iter().map(|own| own.t));
     }
     let mut places: FxHashMap<VertexId, u32> = FxHashMap::default();
-    for &(t, is_in) in tets {
+    for &LookedAt { t, is_in } in tets {
         let v = match is_sliver {
             true => mesh.inner.tets().vertices(t),
             false => told_of(mesh, t, carrier).unwrap_or([INFINITE; 4]),

@@ -1,11 +1,11 @@
 //! Rounds on simulated processors.
 
 use super::{AllRounds, Ending, Late, RoundFigures, refine};
-use crate::mesh::Layout;
 use crate::mesh::redeal::Moved;
 use crate::metrics::Summary;
-use crate::protocol::{Config, Correct, Rules};
+use crate::protocol::{Correct, Rules};
 use crate::refining::RefineError;
+use crate::refining::domain::Plan;
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use ltbw_domain::{Domain, Lattice};
 use ltbw_refine::{ComplexError, Refined, Refiner};
@@ -36,11 +36,12 @@ pub struct SimulatedRounds {
 /// [`RefineError`] if the domain has no mesh, or if the run has not ended properly.
 pub fn simulate_rounds(
     refiner: &Refiner<'_>,
-    whole: (&Domain, &Lattice),
-    layout: &dyn Fn(usize) -> (Layout, Config),
+    domain: &Domain,
+    lattice: &Lattice,
+    plan: &dyn Fn(usize) -> Plan,
     options: &Options,
 ) -> Result<SimulatedRounds, RefineError> {
-    simulate_rounds_as::<Correct>(refiner, whole, layout, options)
+    simulate_rounds_as::<Correct>(refiner, domain, lattice, plan, options)
 }
 
 /// As [`simulate_rounds`], under other rules: a known-bad variant, for checkers.
@@ -50,8 +51,9 @@ pub fn simulate_rounds(
 #[doc(hidden)]
 pub fn simulate_rounds_as<C: Rules>(
     refiner: &Refiner<'_>,
-    whole: (&Domain, &Lattice),
-    layout: impl Fn(usize) -> (Layout, Config),
+    domain: &Domain,
+    lattice: &Lattice,
+    plan: impl Fn(usize) -> Plan,
     options: &Options,
 ) -> Result<SimulatedRounds, RefineError> {
     let options = Options { balance: None, storm: None, ..options.clone() };
@@ -70,7 +72,11 @@ pub fn simulate_rounds_as<C: Rules>(
         }
         Ok(workers)
     };
-    let all = refine::<C>(refiner, whole, layout, run, true)?;
+    let layout = |vertices: usize| {
+        let Plan { layout, config } = plan(vertices);
+        (layout, config)
+    };
+    let all = refine::<C>(refiner, (domain, lattice), layout, run, true)?;
     let AllRounds { refined, ending, figures, late, .. } = all;
     Ok(SimulatedRounds { refined, summary, events, ending, figures, late })
 }

@@ -71,7 +71,7 @@ impl<C: Rules> Rounds<C> {
         mesh.begin_round();
         let Slivers { list, all, served, .. } = &mut self.slivers;
         served.clear();
-        let own = list.iter().flatten().copied().filter(|&own| mesh.has(own));
+        let own = list.iter().flatten().copied().filter(|&(t, v)| mesh.has(t, v));
         let begin = |own: Own| {
             let tries = Tries::of(own.1.map(|v| mesh.point(v)))?;
             Some(Sliver {
@@ -200,7 +200,8 @@ impl<C: Rules> Rounds<C> {
             return true;
         }
         sliver.blocked = blocked;
-        let Some(sides) = self.choice.probes[k as usize].sides(mesh, sliver.own) else {
+        let (t, v) = sliver.own;
+        let Some(sides) = self.choice.probes[k as usize].sides(mesh, t, v) else {
             return false;
         };
         self.look_beside(mesh, n, sides);

@@ -279,7 +279,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
 
     fn item(&self, mesh: &DomainMesh<'c>, point: &DomainPoint) -> Item<TetId> {
         let start = self.points.starts.get(self.number(point)).and_then(Option::as_ref);
-        let start = start.filter(|&&own| mesh.has(own));
+        let start = start.filter(|&&(t, v)| mesh.has(t, v));
         start.map_or(Item::Free, |&(t, _)| Item::At(t))
     }
 

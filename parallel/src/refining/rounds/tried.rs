@@ -80,7 +80,7 @@ impl Slivers {
 
     /// The slivers that are left to be looked at, if rounds of slivers have begun.
     pub(super) fn into_left(self, mesh: &DomainMesh<'_>) -> Option<Vec<TetId>> {
-        let is_left = |own: &Own| mesh.has(*own);
+        let is_left = |&(t, v): &Own| mesh.has(t, v);
         self.list.map(|list| list.into_iter().filter(is_left).map(|own| own.0).collect())
     }
 }

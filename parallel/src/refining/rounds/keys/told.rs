@@ -35,7 +35,7 @@ impl SharedKeys {
         }
         for (t, v) in std::mem::take(&mut self.withdrawn) {
             // R31.
-            if !C::withdraws_ranks() || !mesh.has((t, v)) {
+            if !C::withdraws_ranks() || !mesh.has(t, v) {
                 continue;
             }
             let places = tets.neighbours(t).map(|face| tets.far_place(tet_of(face)));
