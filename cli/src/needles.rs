@@ -36,7 +36,8 @@ fn simpler(ready: &Prepared, flat_tolerance: f64, now: Needles) -> Option<String
     let limit = largest_simplification(&ready.domain);
     let tolerances = [64.0, 16.0, 8.0].map(|part| rounded_up(now.mean_side / part));
     tolerances.into_iter().filter(|&tolerance| tolerance <= limit).find_map(|tolerance| {
-        let (left, told) = simplify::simplified(&ready.domain, tolerance);
+        let simplify::SimplifiedDomain { domain: left, told } =
+            simplify::simplified(&ready.domain, tolerance);
         let helps = 4 * Needles::of(&left, flat_tolerance).needles <= now.needles;
         helps.then(|| format!("`--simplify {tolerance}` would leave {}", told.triangles[1]))
     })

@@ -12,7 +12,7 @@ use crate::sizes::{Field, field};
 use crate::streams::{Formats, Source};
 use crate::surface::given;
 use ltbw::TetMesh;
-use ltbw::domain::{Skin, SkinError};
+use ltbw::domain::{PreparedSkin, Skin, SkinError};
 use ltbw::io::{self, DomainFile};
 use ltbw::refine::Marked;
 use std::path::PathBuf;
@@ -70,8 +70,9 @@ impl Refine {
             }
             None => {
                 let options = preparation.options(&mut DomainFile::default());
-                let (ready, usual) = skin.prepare(&options).map_err(failed)?;
-                let flat = preparation.flat(&ready, usual)?;
+                let PreparedSkin { ready, flat_tolerance } =
+                    skin.prepare(&options).map_err(failed)?;
+                let flat = preparation.flat(&ready, flat_tolerance)?;
                 given(&ready).iter().for_each(|line| console::people(line));
                 (ready, flat)
             }

@@ -17,7 +17,7 @@ const SHOWN: usize = 10;
 /// Says what is missing, where and why.
 pub(crate) fn tell(refined: &Refined) {
     for (item, reason) in refined.lost.iter().take(SHOWN) {
-        let (name, at) = refined.place(item);
+        let (name, at) = (item.kind(), refined.middle(item));
         console::people(&format!("missing   {name} at {at:?}: {reason}"));
     }
     if let Some(more) = refined.lost.len().checked_sub(SHOWN).filter(|&more| more > 0) {

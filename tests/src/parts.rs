@@ -195,7 +195,7 @@ pub fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
 /// # Errors
 /// If the file cannot be written.
 pub fn write_triangles(path: &Path, domain: &Domain) -> Result<(), IoError> {
-    let (domain, _) = domain.clone().welded();
+    let domain = domain.clone().welded().domain;
     let mut plain = Domain { facets: Vec::new(), segments: Vec::new(), ..domain.clone() };
     for (f, facet) in (0..).zip(&domain.facets) {
         let triangles = domain.triangulate(f).map(|found| found.triangles).unwrap_or_default();

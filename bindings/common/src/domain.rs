@@ -293,7 +293,7 @@ fn feature_angle(wishes: &Wishes) -> Result<Option<f64>, Failure> {
 /// Why some of the boundary is not in the mesh.
 fn unrecovered(refined: &Refined) -> Failure {
     let place = |(item, reason): &(ltbw::refine::Item, ltbw::refine::Reason)| {
-        let (kind, at) = refined.place(item);
+        let (kind, at) = (item.kind(), refined.middle(item));
         format!("{kind} at {at:?}: {reason}")
     };
     let first: Vec<String> = refined.lost.iter().take(5).map(place).collect();

@@ -66,10 +66,10 @@ pub use needles::Needles;
 pub use parts::{FEATURE_ANGLE, LARGEST_FEATURE_ANGLE, Part, Parts};
 pub use plc::{Domain, Facet, Region};
 pub use points::Placed;
-pub use prepare::{Frame, PrepareError, PrepareOptions, Prepared};
+pub use prepare::{Frame, PrepareError, PrepareOptions, Prepared, Welded};
 pub use repair::{LONGEST_LOOP, Repairs};
 pub use simplify::{Simplified, largest_simplification};
-pub use skin::{Skin, SkinError};
+pub use skin::{PreparedSkin, Skin, SkinError};
 pub use thickness::Thickness;
 pub use triangulate::{Problem, Triangulated};
 

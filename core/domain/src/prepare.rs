@@ -63,6 +63,15 @@ pub struct PrepareOptions {
     pub fill: u32,
 }
 
+/// A domain whose equal vertices were merged.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Welded {
+    /// The domain.
+    pub domain: Domain,
+    /// For each vertex of the one before its new number.
+    pub numbers: Vec<u32>,
+}
+
 /// A domain that can be meshed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
@@ -389,7 +398,7 @@ impl Domain {
         for (place, &kept) in snapped.vertices.iter_mut().zip(&kept) {
             *place = places[kept as usize];
         }
-        let (domain, map) = snapped.welded();
+        let Welded { domain, numbers: map } = snapped.welded();
         // For each vertex of the domain the first one of the input.
         let mut first = vec![u32::MAX; domain.vertices.len()];
         for (v, &number) in (0..).zip(&map) {
@@ -423,12 +432,12 @@ impl Domain {
         })
     }
 
-    /// The domain with equal vertices merged, and for each vertex its new number.
+    /// The domain with equal vertices merged.
     #[must_use]
-    pub fn welded(mut self) -> (Self, Vec<u32>) {
+    pub fn welded(mut self) -> Welded {
         let Some(same) = same_place(&self.vertices) else {
-            let identity = (0..self.vertices.len() as u32).collect();
-            return (self, identity);
+            let numbers = (0..self.vertices.len() as u32).collect();
+            return Welded { domain: self, numbers };
         };
         let mut map = Vec::with_capacity(same.len());
         let mut kept = 0;
@@ -443,6 +452,6 @@ impl Domain {
         let corners = self.facets.iter_mut().flat_map(|f| f.polygons.iter_mut().flatten());
         let ends = self.segments.iter_mut().flat_map(|(ends, _)| ends);
         corners.chain(ends).for_each(|v| *v = map[*v as usize]);
-        (self, map)
+        Welded { domain: self, numbers: map }
     }
 }

@@ -253,12 +253,12 @@ fn shells_in_shells_are_voids_and_islands() {
 
 #[test]
 fn cubes_that_touch_in_an_edge_or_a_corner() {
-    let edge = cubes(&[[0.0; 3], [1.0, 1.0, 0.0]]).welded().0;
+    let edge = cubes(&[[0.0; 3], [1.0, 1.0, 0.0]]).welded().domain;
     let report = check(&edge, false);
     assert!(report.passed(), "{:?}", report.defects);
     assert_eq!(report.counts, BTreeMap::from([(DefectKind::NonManifold, 1)]));
     assert_eq!(report.volume().unwrap().to_string(), "2");
-    let corner = cubes(&[[0.0; 3], [1.0; 3]]).welded().0;
+    let corner = cubes(&[[0.0; 3], [1.0; 3]]).welded().domain;
     let report = check(&corner, true);
     assert!(report.counts.is_empty(), "{:?}", report.defects);
     assert_eq!(report.volume().unwrap().to_string(), "2");

@@ -37,7 +37,7 @@ fn add(domain: &mut Domain, rings: &[&[Point]]) {
 
 #[test]
 fn vertices_outside_are_left_out_and_the_lattice_does_not_reach_for_them() {
-    let mut domain = cubes(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).welded().0;
+    let mut domain = cubes(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).welded().domain;
     let kept = domain.vertices.len();
     // Far outside, in the notch between the cubes, inside, and beside.
     let spare = [[1e7, 3.0, 3.0], [1.75, 1.5, 0.5], [0.5, 0.25, 0.25], [0.0, 0.0, -1e-3]];
@@ -107,7 +107,7 @@ fn sheets_that_end_outside_are_left_out_with_a_note() {
             let error = domain.prepare(&strict).unwrap_err();
             assert_eq!(error.code(), "domain.strict");
             assert!(error.to_string().contains("ends in the exterior"), "{error}");
-            let report = check(&domain.clone().welded().0, oriented);
+            let report = check(&domain.clone().welded().domain, oriented);
             assert_eq!(report.count(DefectKind::EndsOutside), count as u64, "{n}");
             assert!(report.is_meshable() && !report.passed());
         }
@@ -162,7 +162,7 @@ fn voids_at_and_beyond_the_outside_are_left_out() {
 /// A void whose floor is one facet with the body's: the facet is cut.
 #[test]
 fn a_facet_that_goes_on_beyond_the_body_is_cut() {
-    let mut domain = cubes(&[[0.0; 3], [1.0, 0.0, 0.0]]).welded().0;
+    let mut domain = cubes(&[[0.0; 3], [1.0, 0.0, 0.0]]).welded().domain;
     let at = |p: Point| domain.vertices.iter().position(|v| *v == p).unwrap() as u32;
     let bottom = [[0.0; 3], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]].map(at);
     let middle = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]].map(at);
@@ -223,7 +223,7 @@ fn pairs_of_opposite_facets_with_nothing_between_are_left_out() {
     assert_eq!(ready.repairs.flaps, [0, 7]);
     assert_eq!((volume(&ready).as_str(), ready.report.cells.unwrap().len()), ("1", 1));
     // A lid over a notch, from either side: what is below it stays outside.
-    let mut lid = cubes(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]).welded().0;
+    let mut lid = cubes(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]).welded().domain;
     let ends = [[1.0, 0.0, 2.0], [1.0, 1.0, 2.0], [2.0, 1.0, 1.0], [2.0, 0.0, 1.0]];
     add(&mut lid, &[&ends]);
     add(&mut lid, &[&[ends[3], ends[2], ends[1], ends[0]]]);
@@ -286,7 +286,7 @@ fn bodies_in_bodies_are_what_their_orientation_says() {
         }
     }
     // A wall between two bodies of one shell is no nesting.
-    let mut walled = cubes(&[[0.0; 3], [1.0, 0.0, 0.0]]).welded().0;
+    let mut walled = cubes(&[[0.0; 3], [1.0, 0.0, 0.0]]).welded().domain;
     walled.facets.remove(10);
     assert_eq!(filled(&walled, true, false), [true, true]);
 }

@@ -106,7 +106,7 @@ pub use rules::turns::{Contender, Held, next_wave};
 #[doc(hidden)]
 pub use rules::watch::Watch;
 #[doc(hidden)]
-pub use rules::way::{Across, Heading, Stop, View, Way, middle, walk};
+pub use rules::way::{Across, Heading, Stop, View, Walked, Way, middle, walk};
 pub use run::Refiner;
 #[doc(hidden)]
 pub use run::{

@@ -2,7 +2,7 @@
 
 use crate::{RefineError, Refined, Refiner};
 use ltbw_core::TetMesh;
-use ltbw_domain::{PrepareOptions, Skin, SkinError};
+use ltbw_domain::{PrepareOptions, PreparedSkin, Skin, SkinError};
 
 /// Why a mesh is not gone on with.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -39,7 +39,7 @@ impl Refiner<'_> {
     pub fn resume(&self, mesh: &TetMesh) -> Result<Refined, ResumeError> {
         let skin = Skin::of(mesh)?;
         skin.check_delaunay()?;
-        let (ready, usual) = skin.prepare(&PrepareOptions::default())?;
-        Ok(self.or_flat_tolerance(usual).refine(&ready.domain, &ready.lattice)?)
+        let PreparedSkin { ready, flat_tolerance } = skin.prepare(&PrepareOptions::default())?;
+        Ok(self.or_flat_tolerance(flat_tolerance).refine(&ready.domain, &ready.lattice)?)
     }
 }

@@ -1,7 +1,7 @@
 //! Meshes that are gone on with.
 
 use ltbw_core::{TetMesh, canonical_hash};
-use ltbw_domain::{PrepareOptions, Prepared, Skin, SkinError};
+use ltbw_domain::{PrepareOptions, PreparedSkin, Skin, SkinError};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_refine::{Marked, RefineOutcome, Refined, Refiner, ResumeError};
 
@@ -15,7 +15,7 @@ fn meshed(kind: DomainKind, refiner: &Refiner<'_>) -> Refined {
     refiner.refine(&ready.domain, &ready.lattice).expect("a mesh")
 }
 
-fn skin_of(mesh: &TetMesh) -> (Prepared, f64) {
+fn skin_of(mesh: &TetMesh) -> PreparedSkin {
     let skin = Skin::of(mesh).expect("a boundary");
     skin.prepare(&PrepareOptions::default()).expect("a domain")
 }
@@ -38,7 +38,7 @@ fn a_mesh_that_meets_its_bounds_comes_back_as_it_is() {
         assert_eq!(first.outcome, RefineOutcome::Met, "{kind:?}");
         assert!(first.slivers.is_empty(), "{kind:?}");
         let mesh = first.inside();
-        let (ready, flat) = skin_of(&mesh);
+        let PreparedSkin { ready, flat_tolerance: flat } = skin_of(&mesh);
         assert_eq!((flat, ready.moved, ready.placed.farthest), (0.0, 0, 0.0), "{kind:?}");
         let few = generate_domain(kind, &Shape::default()).expect("a domain").vertices.len();
         assert!(ready.domain.vertices.len() <= few + few / 4, "{kind:?}: {few}");
@@ -133,8 +133,9 @@ fn what_cannot_be_gone_on_with_is_named() {
     // Its vertices and its boundary make a mesh nevertheless.
     let mesh = of(&[[0, 1, 2, 3], [0, 2, 1, 4]]);
     let skin = Skin::of(&mesh).expect("a boundary");
-    let (ready, flat) = skin.prepare(&PrepareOptions::default()).expect("a domain");
-    let refiner = Refiner::new().flat_tolerance(flat);
+    let prepared = skin.prepare(&PrepareOptions::default());
+    let PreparedSkin { ready, flat_tolerance } = prepared.expect("a domain");
+    let refiner = Refiner::new().flat_tolerance(flat_tolerance);
     let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
     assert!(refined.lost.is_empty());
     // Two parts are two bodies.

@@ -11,7 +11,7 @@ mod view;
 
 pub use history::History;
 pub use news::{NewsNumbers, count_news};
-pub use view::RequestView;
+pub use view::{OperationView, RequestView};
 
 use crate::protocol::{
     BlockId, Broken, Invariant, Message, Name, Neighbour, Phase, Request, Rule, Rules, Source,

@@ -2,6 +2,17 @@
 
 use crate::protocol::{Attempt, Message, Rules, Source, Submesh, Ticket, Waiter, Worker, WorkerId};
 
+/// An operation at its home as checkers see it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OperationView {
+    /// Its state, by its name on the page.
+    pub state: String,
+    /// Its attempt.
+    pub attempt: Attempt,
+    /// The workers asked in it.
+    pub asked: Vec<WorkerId>,
+}
+
 /// A request as checkers see it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RequestView<T> {
@@ -66,11 +77,11 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         self.locks.requests.keys().copied()
     }
 
-    /// The state of an operation at home here, by its name on the page; its attempt; and the
-    /// workers asked in it.
-    pub fn operation_of(&self, ticket: Ticket) -> Option<(String, Attempt, Vec<WorkerId>)> {
+    /// An operation at home here.
+    pub fn operation_of(&self, ticket: Ticket) -> Option<OperationView> {
         let op = self.operations.all.get(&ticket)?;
-        Some((format!("{:?}", op.phase), op.attempt, op.asked.keys().collect()))
+        let (state, asked) = (format!("{:?}", op.phase), op.asked.keys().collect());
+        Some(OperationView { state, attempt: op.attempt, asked })
     }
 
     /// The request of an operation here.

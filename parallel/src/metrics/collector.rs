@@ -277,10 +277,14 @@ impl Collector {
         std::mem::take(&mut self.ports)
     }
 
-    /// Takes the stretches of time that were kept, and says whether some were not.
-    pub fn take_spans(&mut self) -> (Vec<Span>, bool) {
-        let complete = self.spans_left > 0 && self.ports_left > 0;
-        (self.spans.take().unwrap_or_default(), complete)
+    /// Takes the stretches of time that were kept.
+    pub fn take_spans(&mut self) -> Vec<Span> {
+        self.spans.take().unwrap_or_default()
+    }
+
+    /// Was every stretch of time kept, and every message?
+    pub fn has_kept_all(&self) -> bool {
+        self.spans_left > 0 && self.ports_left > 0
     }
 
     /// The operation that a step is about.

@@ -29,9 +29,8 @@ impl Trace {
             let [mut starts, mut ends] = collector.take_ports();
             sent.append(&mut starts);
             taken.append(&mut ends);
-            let (spans, complete) = collector.take_spans();
-            trace.spans.extend(spans);
-            trace.is_complete &= complete;
+            trace.spans.extend(collector.take_spans());
+            trace.is_complete &= collector.has_kept_all();
         }
         trace.flows = join(sent, taken);
         trace

@@ -1,4 +1,5 @@
-//! Signatures of shipped functions: the number of their parameters, and tuples among these.
+//! Signatures of shipped functions: the number of their parameters, and tuples among these and in
+//! results.
 
 use super::arrows::CRATES;
 use super::source::{Token, Tree, shipped, split, tokens};
@@ -9,9 +10,16 @@ const PARAMETERS: usize = 5;
 /// The signature of a function with a name.
 struct Signature<'t> {
     name: &'t str,
+    /// May other crates call it?
+    is_public: bool,
     /// The types of its parameters, without `self`.
     types: Vec<&'t [Token]>,
+    /// The type of its result, if it has one.
+    result: &'t [Token],
 }
+
+/// Folders of crates whose functions nobody but other crates of the workspace calls.
+const TOOLS: &[&str] = &["tests/", "verify/models/", "verify/kit/", "fuzz/", "xtask/"];
 
 /// Functions with more parameters than allowed: `file: name`.
 pub(crate) fn many_parameters(tree: &Tree) -> Vec<String> {
@@ -27,6 +35,36 @@ pub(crate) fn tuples(tree: &Tree) -> Vec<String> {
         function.name != "from" && function.types.iter().any(|tokens| has_tuple(tokens))
     };
     found(tree, |file, function| is_one(function).then(|| format!("{file}: {}", function.name)))
+}
+
+/// Public functions with a tuple in the type of their result: `file: name`. The entries of an
+/// iterator, a key and its value, are none.
+pub(crate) fn tuples_in_results(tree: &Tree) -> Vec<String> {
+    let is_one = |function: &Signature<'_>| {
+        function.is_public && has_tuple(&without_entries(function.result))
+    };
+    let of_tool = |file: &str| TOOLS.iter().any(|folder| file.starts_with(folder));
+    found(tree, |file, function| {
+        (!of_tool(file) && is_one(function)).then(|| format!("{file}: {}", function.name))
+    })
+}
+
+/// A type without the pairs that iterators in it have for items.
+fn without_entries(tokens: &[Token]) -> Vec<Token> {
+    let text = |k: usize| tokens.get(k).map_or("", |token| token.text.as_str());
+    let (mut kept, mut k) = (Vec::new(), 0);
+    while k < tokens.len() {
+        kept.push(tokens[k].clone());
+        k += 1;
+        if text(k) == "(" && text(k - 1) == "=" && k > 1 && text(k - 2) == "Item" {
+            let end = closing(tokens, k);
+            let entry = &tokens[k + 1..end];
+            if parted(entry).len() == 2 && !has_tuple(entry) {
+                k = end + 1;
+            }
+        }
+    }
+    kept
 }
 
 fn found(tree: &Tree, told: impl Fn(&str, &Signature<'_>) -> Option<String>) -> Vec<String> {
@@ -54,9 +92,33 @@ fn signature(tokens: &[Token], k: usize) -> Option<Signature<'_>> {
         let colon = part.iter().position(|token| token.text == ":")?;
         (part[colon - 1].text != "self").then_some(colon + 1)
     };
-    let parts = parted(&tokens[open + 1..closing(tokens, open)]);
+    let close = closing(tokens, open);
+    let parts = parted(&tokens[open + 1..close]);
     let types = parts.into_iter().filter_map(|part| part.get(type_of(part)?..)).collect();
-    Some(Signature { name: &name.text, types })
+    let (is_public, result) = (is_public(tokens, k), result(&tokens[close + 1..]));
+    Some(Signature { name: &name.text, is_public, types, result })
+}
+
+/// Has the function whose `fn` is at `k` a bare `pub`?
+fn is_public(tokens: &[Token], k: usize) -> bool {
+    let is_between =
+        |token: &&Token| ["const", "unsafe", "async", "extern"].contains(&&*token.text);
+    let before = tokens[..k].iter().rev().find(|token| !is_between(token));
+    before.is_some_and(|token| token.text == "pub")
+}
+
+/// The type behind the arrow, if one is next.
+fn result(tokens: &[Token]) -> &[Token] {
+    let is_arrow = tokens.len() > 2 && tokens[0].text == "-" && tokens[1].text == ">";
+    let tokens = if is_arrow { &tokens[2..] } else { &[] };
+    let mut depth = 0;
+    let mut is_end = |k: usize| {
+        let is_end = depth == 0 && ["{", ";", "where"].contains(&&*tokens[k].text);
+        depth += step(tokens, k);
+        is_end
+    };
+    let end = (0..tokens.len()).find(|&k| is_end(k));
+    &tokens[..end.unwrap_or(tokens.len())]
 }
 
 /// Is there a tuple of two or more in a type? The parameters of a closure are none.
@@ -141,4 +203,26 @@ fn tuples_in_parameters_are_found() {
         assert_eq!(of(fine), [""; 0], "{fine}");
     }
     assert_eq!(found("fn from((a, b): (u8, u8)) {}"), [""; 0]);
+}
+
+#[test]
+fn tuples_in_results_are_found() {
+    let found = |text: &str| tuples_in_results(&Tree::of(&[("cli/src/lib.rs", text)]));
+    for wrong in [
+        "(u8, u8)",
+        "Result<(Self, u8), ()>",
+        "Option<&(u8, T)>",
+        "impl Iterator<Item = (u8, u8, T)> + '_",
+        "impl Iterator<Item = (u8, (u8, T))>",
+    ] {
+        let text = format!("impl A {{ pub const fn f<T>(a: u8) -> {wrong} where T: B {{}} }}");
+        assert_eq!(found(&text), ["cli/src/lib.rs: f"], "{wrong}");
+        assert_eq!(found(&text.replace("pub", "pub(crate)")), [""; 0], "{wrong}");
+        let fixtures = Tree::of(&[("tests/src/lib.rs", &*text)]);
+        assert_eq!(tuples_in_results(&fixtures), [""; 0], "{wrong}");
+    }
+    for fine in ["()", "[(u8); 2]", "impl Fn(u8, u8) -> T", "impl Iterator<Item = (u8, &'_ T)>"] {
+        assert_eq!(found(&format!("pub fn f<T>() -> {fine} {{ (1, 2) }}")), [""; 0], "{fine}");
+    }
+    assert_eq!(found("pub fn f() {} fn g() -> (u8, u8) {}"), [""; 0]);
 }

@@ -7,7 +7,7 @@
 mod tables;
 
 use ltbw::balance::Workload;
-use ltbw::check::RequestView;
+use ltbw::check::{OperationView, RequestView};
 use ltbw::protocol::{Action, Attempt, Correct, Event, Message, Note, Rule};
 use ltbw::protocol::{Submesh, Ticket, Worker, WorkerId};
 use ltbw_kit::line::Line;
@@ -64,10 +64,10 @@ fn list<T: ToString>(items: &[T]) -> String {
 /// The state in words.
 fn state<T>(role: &str, look: &Look<T>) -> String {
     match (role, &look.home, &look.request) {
-        ("home", Some((state, attempt, asked)), _) if asked.is_empty() => {
+        ("home", Some(OperationView { state, attempt, asked }), _) if asked.is_empty() => {
             format!("`{state}`, attempt {attempt}")
         }
-        ("home", Some((state, attempt, asked)), _) => {
+        ("home", Some(OperationView { state, attempt, asked }), _) => {
             format!("`{state}`, attempt {attempt}, has asked {}", list(asked))
         }
         ("home", None, _) => "no operation".to_owned(),

@@ -83,12 +83,21 @@ impl Simplified {
     }
 }
 
-/// A prepared domain with its surface simplified within a tolerance, and what was done: what
+/// A domain whose surface was simplified.
+#[derive(Clone, Debug)]
+pub struct SimplifiedDomain {
+    /// The domain.
+    pub domain: Domain,
+    /// The changes of its surface.
+    pub told: Simplified,
+}
+
+/// A prepared domain with its surface simplified within a tolerance: what
 /// [`crate::PrepareOptions::simplify`] would lead to, but for the check.
 #[must_use]
-pub fn simplified(domain: &Domain, tolerance: f64) -> (Domain, Simplified) {
-    let simpler = simplify(domain, tolerance, false);
-    (simpler.domain, simpler.told)
+pub fn simplified(domain: &Domain, tolerance: f64) -> SimplifiedDomain {
+    let Simpler { domain, told, .. } = simplify(domain, tolerance, false);
+    SimplifiedDomain { domain, told }
 }
 
 /// A domain of which the surface is simplified.

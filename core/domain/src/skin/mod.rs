@@ -111,6 +111,15 @@ struct Face {
     is_outer: bool,
 }
 
+/// The domain of a mesh.
+#[derive(Clone, Debug)]
+pub struct PreparedSkin {
+    /// The domain.
+    pub ready: Prepared,
+    /// The distance within which its facets are to be taken for coplanar.
+    pub flat_tolerance: f64,
+}
+
 /// The number of no tetrahedron.
 const NONE: u32 = u32::MAX;
 
@@ -289,12 +298,11 @@ impl<'m> Skin<'m> {
         vertices.iter().map(|&v| *self.at(v)).collect()
     }
 
-    /// The domain of the mesh, ready to be meshed, its vertices being points of it; and the
-    /// distance within which its facets are to be taken for coplanar.
+    /// The domain of the mesh, ready to be meshed, its vertices being points of it.
     ///
     /// # Errors
     /// [`SkinError`]: a boundary that is no domain.
-    pub fn prepare(&self, options: &PrepareOptions) -> Result<(Prepared, f64), SkinError> {
+    pub fn prepare(&self, options: &PrepareOptions) -> Result<PreparedSkin, SkinError> {
         let options = PrepareOptions { oriented: false, ..*options };
         let wide = self.wide_facets();
         let is_on_lattice = |domain: &Domain| {
@@ -303,12 +311,12 @@ impl<'m> Skin<'m> {
             lattice.is_some_and(|own| domain.vertices.iter().all(|p| own.steps(p).is_some()))
         };
         let exact = wide.filter(is_on_lattice).and_then(|domain| domain.prepare(&options).ok());
-        let (mut ready, flat) = match exact {
+        let (mut ready, flat_tolerance) = match exact {
             Some(ready) => (ready, 0.0),
             None => {
                 let ready = self.triangles().prepare(&options)?;
-                let flat = rounding_of(&ready.domain);
-                (ready, flat)
+                let rounding = rounding_of(&ready.domain);
+                (ready, rounding)
             }
         };
         let domain = ready.report.volume().map_or(0.0, |volume| volume.to_f64());
@@ -316,7 +324,7 @@ impl<'m> Skin<'m> {
             return Err(SkinError::Volume { tets: self.volume, domain });
         }
         self.give_inner(&mut ready);
-        Ok((ready, flat))
+        Ok(PreparedSkin { ready, flat_tolerance })
     }
 
     /// Gives a domain the boundary's vertices as points.

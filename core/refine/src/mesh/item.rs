@@ -15,6 +15,17 @@ pub enum Item {
     Tet(TetId, [VertexId; 4]),
 }
 
+impl Item {
+    /// Its kind in a word: for messages.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Segment(_) => "segment",
+            Self::Subface(_) => "subface",
+            Self::Tet(..) => "tetrahedron",
+        }
+    }
+}
+
 /// Has a boundary item an input vertex for a corner?
 pub(crate) fn has_corner(item: Item, corner: u32, carrier: impl Fn(VertexId) -> Carrier) -> bool {
     let is = |&v: &VertexId| carrier(v) == Carrier::Corner(corner);

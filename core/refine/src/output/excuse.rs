@@ -157,7 +157,7 @@ impl Refined {
 
     /// The centroid of a tetrahedron, in the coordinates of the mesh.
     pub fn centroid(&self, t: TetId) -> Point {
-        self.place(&Item::Tet(t, self.state.vertices(t))).1
+        self.middle(&Item::Tet(t, self.state.vertices(t)))
     }
 
     /// The volume of a tetrahedron, rounded, with its vertices in an order that is always the same.

@@ -116,17 +116,17 @@ impl Refined {
         self.tets().count()
     }
 
-    /// The kind of a boundary item, and its middle in the coordinates of the domain: for messages.
-    pub fn place(&self, item: &Item) -> (&'static str, Point) {
+    /// The middle of an item in the coordinates of the domain: for messages.
+    pub fn middle(&self, item: &Item) -> Point {
         let middle = |corners: &[VertexId]| {
             let all = corners.iter().map(|&v| self.state.at(v));
             let sum = all.fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
             sum.map(|c| c / corners.len() as f64 * self.lattice.fine_step())
         };
         match item {
-            Item::Segment(s) => ("segment", middle(s)),
-            Item::Subface(s) => ("subface", middle(s)),
-            Item::Tet(_, v) => ("tetrahedron", middle(v)),
+            Item::Segment(s) => middle(s),
+            Item::Subface(s) => middle(s),
+            Item::Tet(_, v) => middle(v),
         }
     }
 

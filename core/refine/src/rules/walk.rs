@@ -48,7 +48,7 @@ impl State {
     /// Walks as [`State::way`] does to a point that may be inserted, or not.
     pub(crate) fn way_to(&self, start: TetId, p: &Point, may: bool) -> Way {
         let from = middle(self.vertices(start).map(|v| self.at(v)));
-        walk(self, Stop { t: start, entry: None }, &Heading { from, to: *p, may }).0
+        walk(self, Stop { t: start, entry: None }, &Heading { from, to: *p, may }).end
     }
 
     /// A tetrahedron, or ghost, that holds `p`: where a walk from `start` ends that nothing bars.

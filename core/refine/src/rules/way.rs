@@ -84,29 +84,40 @@ pub enum Way<I, F> {
     Far(F),
 }
 
-/// Walks straight on from a tetrahedron, up to the first subface. Returns the steps made, too.
+/// The end of a walk, and its steps.
 #[doc(hidden)]
-pub fn walk<V: View>(view: &V, start: Stop, way: &Heading) -> (Way<V::Item, V::Far>, usize) {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walked<I, F> {
+    /// Its end.
+    pub end: Way<I, F>,
+    /// The number of steps made.
+    pub steps: usize,
+}
+
+/// Walks straight on from a tetrahedron, up to the first subface.
+#[doc(hidden)]
+pub fn walk<V: View>(view: &V, start: Stop, way: &Heading) -> Walked<V::Item, V::Far> {
     let Stop { mut t, mut entry } = start;
     // In a Delaunay mesh such a walk visits no tetrahedron twice; the bound only guards it.
-    for step in 0..=view.most_steps() {
+    for steps in 0..=view.most_steps() {
         let v = view.vertices(t);
         if v[3] == INFINITE {
-            return (Way::Outside, step);
+            return Walked { end: Way::Outside, steps };
         }
         let corners = v.map(|v| view.point(v));
         let Some(slot) = exit(&corners, entry, &way.from, &way.to) else {
-            return (if way.may { Way::Arrived(t) } else { Way::Outside }, step);
+            let end = if way.may { Way::Arrived(t) } else { Way::Outside };
+            return Walked { end, steps };
         };
         if let Some(item) = view.barrier(t, v, slot) {
-            return (Way::Blocked(item), step);
+            return Walked { end: Way::Blocked(item), steps };
         }
         match view.across(t, slot) {
             Across::Here(next) => Stop { t, entry } = next,
-            Across::Far(far) => return (Way::Far(far), step),
+            Across::Far(far) => return Walked { end: Way::Far(far), steps },
         }
     }
-    (Way::Outside, view.most_steps())
+    Walked { end: Way::Outside, steps: view.most_steps() }
 }
 
 /// The middle of a tetrahedron, where a way begins: a whole number of fine steps, so that the

@@ -6,7 +6,7 @@ use crate::protocol::Handle;
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Point;
-use ltbw_refine::{Across, BoundaryItem, Carrier, Heading, Stop, View, Way, middle, walk};
+use ltbw_refine::{Across, BoundaryItem, Carrier, Heading, Stop, View, Walked, Way, middle, walk};
 
 /// A face beyond which a way goes on elsewhere.
 #[derive(Clone, Copy, Debug)]
@@ -91,7 +91,7 @@ impl DomainMesh<'_> {
         let corners = self.inner.tets().vertices(tet);
         let from = middle(corners.map(|v| self.point(v)));
         let heading = Heading { from, to, may };
-        let (end, steps) = walk(self, Stop { t: tet, entry: None }, &heading);
+        let Walked { end, steps } = walk(self, Stop { t: tet, entry: None }, &heading);
         self.count_way(steps as u64);
         let Way::Blocked(Side { item, t, slot }) = end else { return None };
         if self.complex.has_angles() {

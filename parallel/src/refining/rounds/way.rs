@@ -3,7 +3,7 @@
 use crate::refining::domain::{DomainMesh, FarFace};
 use crate::refining::news::{Bits, PartEnd, WireItem};
 use ltbw_core::topology::TetId;
-use ltbw_refine::{Heading, Stop, Way, walk};
+use ltbw_refine::{Heading, Stop, Walked, Way, walk};
 
 /// The end of a way.
 pub(super) enum WayEnd {
@@ -50,7 +50,7 @@ pub(super) fn walk_way(
         }
     }
     let entry = by.map(|(slot, _)| slot);
-    let (end, steps) = walk(mesh, Stop { t, entry }, &way);
+    let Walked { end, steps } = walk(mesh, Stop { t, entry }, &way);
     mesh.count_steps(steps as u64);
     match end {
         Way::Arrived(t) => match mesh.inner.tets().vertices(t).map(|v| mesh.point(v)) {

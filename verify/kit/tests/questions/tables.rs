@@ -1,14 +1,13 @@
 //! The rows of the page's tables, and what each says of a step.
 
-use ltbw::check::RequestView;
+use ltbw::check::{OperationView, RequestView};
 use ltbw::protocol::{Attempt, Correct, Message, Note};
 use ltbw::protocol::{Source, Submesh, Ticket, Worker, WorkerId};
 
 /// The state of one operation at one worker.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Look<T> {
-    /// State, attempt, workers asked.
-    pub(crate) home: Option<(String, Attempt, Vec<WorkerId>)>,
+    pub(crate) home: Option<OperationView>,
     pub(crate) request: Option<RequestView<T>>,
     /// The locked tetrahedra that requests of it wait for.
     pub(crate) queues: Vec<T>,
@@ -26,20 +25,20 @@ pub(crate) fn look<S: Submesh, Q: Source<S>>(
 impl<T> Look<T> {
     /// The home's state without its number.
     pub(crate) fn phase(&self) -> &str {
-        self.home.as_ref().map_or("no operation", |(state, ..)| {
-            state.split_once('(').map_or(state.as_str(), |(name, _)| name)
+        self.home.as_ref().map_or("no operation", |own| {
+            own.state.split_once('(').map_or(own.state.as_str(), |(name, _)| name)
         })
     }
 
     /// The number of releases not acknowledged.
     pub(crate) fn open(&self) -> u32 {
-        let state = self.home.as_ref().map_or("", |(state, ..)| state.as_str());
+        let state = self.home.as_ref().map_or("", |own| own.state.as_str());
         let number = state.split_once('(').map_or("0", |(_, rest)| rest.trim_end_matches(')'));
         number.parse().expect("a number")
     }
 
     pub(crate) fn attempt(&self) -> Attempt {
-        let at_home = self.home.as_ref().map(|(_, attempt, _)| *attempt);
+        let at_home = self.home.as_ref().map(|own| own.attempt);
         at_home.or(self.request.as_ref().map(|r| r.attempt)).unwrap_or_default()
     }
 
@@ -193,7 +192,7 @@ pub(crate) fn home<S: Submesh>() -> Vec<Row<S>> {
                 "`Releasing(number asked)`",
             ],
             |s| {
-                let asked = s.before.home.as_ref().map_or(&[][..], |(.., asked)| asked);
+                let asked = s.before.home.as_ref().map_or(&[][..], |own| &own.asked);
                 let others: Vec<WorkerId> = asked.iter().copied().filter(|&w| w != s.me).collect();
                 // The release of its own part is acknowledged in the same step.
                 let state = if others.is_empty() { "Ready" } else { "Releasing" };
