@@ -84,10 +84,6 @@ const RESULTS_WITH_TUPLES: &[&str] = &[
     "parallel/src/protocol/worker.rs: into_parts",
     "parallel/src/refining/rounds/mod.rs: rounds_by",
     "parallel/src/team/mod.rs: parcels",
-    "bindings/common/src/certificate.rs: check",
-    "bindings/common/src/domain.rs: check",
-    "bindings/common/src/result.rs: excuses",
-    "bindings/common/src/sync.rs: figures",
 ];
 
 static TREE: LazyLock<Tree> = LazyLock::new(|| {

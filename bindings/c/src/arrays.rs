@@ -150,7 +150,7 @@ pub unsafe extern "C" fn ltbw_mesh_regions(mesh: *const Mesh, count: *mut usize)
 unsafe fn excuses<'m>(mesh: *const Mesh) -> Option<&'m (Vec<u32>, Vec<CString>)> {
     let make = |m: &Meshed| {
         let all = m.excuses();
-        Ok((all.iter().map(|e| e.0).collect(), all.iter().map(|e| text(&e.1)).collect()))
+        Ok((all.iter().map(|e| e.tet).collect(), all.iter().map(|e| text(&e.reason)).collect()))
     };
     // SAFETY: as the caller promises.
     unsafe { kept(mesh, |m| &m.arrays.excuses, make) }

@@ -1,7 +1,7 @@
 //! Threads, progress and cancelling.
 
 use crate::sized::Growing;
-use ltbw_bindings::{Class, Failure, PATIENCE, Reins, unpanicked};
+use ltbw_bindings::{Class, Failure, Figures, PATIENCE, Reins, unpanicked};
 use std::ffi::c_void;
 use std::mem::offset_of;
 
@@ -45,7 +45,7 @@ impl Run {
     /// Tells the progress; the answer may end the work.
     pub(crate) fn tell(&self, reins: &Reins) {
         if let Some(progress) = self.progress {
-            let (done, total) = reins.progress.figures();
+            let Figures { done, total } = reins.progress.figures();
             if progress(self.context, done, total.unwrap_or(0)) != 0 {
                 reins.cancel.cancel();
             }
@@ -76,9 +76,12 @@ impl Run {
             let lost = || Failure::new(Class::Internal, "internal.panic", "lost");
             let result = worker.join().unwrap_or_else(|_| Err(lost()));
             // A bar would stop short of its end.
-            if let (Ok(_), (_, Some(total)), Some(progress), false) =
-                (&result, reins.progress.figures(), self.progress, reins.cancel.is_cancelled())
-            {
+            if let (Ok(_), Some(total), Some(progress), false) = (
+                &result,
+                reins.progress.figures().total,
+                self.progress,
+                reins.cancel.is_cancelled(),
+            ) {
                 progress(self.context, total, total);
             }
             result

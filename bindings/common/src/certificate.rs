@@ -32,8 +32,26 @@ impl Order {
     }
 }
 
+/// A mesh as it was found as one of finite elements.
+#[derive(Clone, Debug)]
+pub struct CheckedMesh {
+    /// JSON `ltbw.cert/1`.
+    pub certificate: String,
+    /// Its quality, if it has tetrahedra.
+    pub quality: Option<Quality>,
+}
+
+/// A mesh of a domain as it was found.
+#[derive(Clone, Debug)]
+pub struct CheckedDomain {
+    /// Is it as the domain, and the bounds asked for, have it?
+    pub passed: bool,
+    /// JSON `ltbw.conformity/1`.
+    pub certificate: String,
+}
+
 /// Checks anybody's mesh as one of finite elements, with `delaunay` also as the Delaunay mesh of
-/// its vertices, as the program does; JSON `ltbw.cert/1`, and its quality, if it has tetrahedra.
+/// its vertices, as the program does.
 ///
 /// # Errors
 /// A certificate that is no JSON.
@@ -43,12 +61,12 @@ pub fn check(
     order: Order,
     all_points: bool,
     delaunay: bool,
-) -> Result<(String, Option<Quality>), Failure> {
+) -> Result<CheckedMesh, Failure> {
     let vertex_order = order.for_checker();
     let options = verify::Options { vertex_order, all_points, ..verify::Options::default() };
     in_own_pool(|| {
         let report = verify::check_elements(&verify::Mesh::new(points, tets), &options, delaunay);
-        Ok((json(&report)?, Quality::of(points, tets)))
+        Ok(CheckedMesh { certificate: json(&report)?, quality: Quality::of(points, tets) })
     })
 }
 
@@ -99,20 +117,20 @@ fn conformity(
     (found, same)
 }
 
-/// The certificate of anybody's mesh of a domain, without exterior, and whether it passed.
+/// Checks anybody's mesh of a domain, without exterior.
 pub(crate) fn of_domain(
     ready: &Prepared,
     mesh: &TetMesh,
     order: Order,
     wishes: &Wishes,
     flat_tolerance: f64,
-) -> (bool, String) {
+) -> CheckedDomain {
     let options =
         verify::Options { vertex_order: order.for_checker(), ..verify::Options::default() };
     let (found, same) = conformity(ready, mesh, wishes, flat_tolerance, &options);
     let passed = same && found.passed();
     let verdict = if passed { Verdict::Passed } else { Verdict::Failed };
-    (passed, json_of(&found, verdict).to_string())
+    CheckedDomain { passed, certificate: json_of(&found, verdict).to_string() }
 }
 
 /// The excused tetrahedra of a mesh.

@@ -2,7 +2,7 @@
 
 use crate::Field;
 use crate::body::Body;
-use crate::certificate::{self, Excused, Order};
+use crate::certificate::{self, CheckedDomain, Excused, Order};
 use crate::failure::{Class, Failure};
 use crate::result::{Meshed, Outcome};
 use crate::wishes::{SizeAt, Wishes};
@@ -232,8 +232,7 @@ impl Ready {
     }
 
     /// Checks anybody's mesh of the domain, without exterior, by independent code: structure,
-    /// Delaunay property, conformity, volume, and the bounds of `wishes`. JSON
-    /// `ltbw.conformity/1`, and whether it passed.
+    /// Delaunay property, conformity, volume, and the bounds of `wishes`.
     #[must_use]
     pub fn check(
         &self,
@@ -241,7 +240,7 @@ impl Ready {
         tets: &[[u32; 4]],
         order: Order,
         wishes: &Wishes,
-    ) -> (bool, String) {
+    ) -> CheckedDomain {
         let (points, tets) = (points.to_vec(), tets.to_vec());
         let mesh = TetMesh { points, tets, ..TetMesh::default() };
         certificate::of_domain(&self.prepared, &mesh, order, wishes, self.flat_tolerance)

@@ -27,12 +27,12 @@ mod wishes;
 mod work;
 
 pub use body::NOWHERE;
-pub use certificate::{Order, check};
+pub use certificate::{CheckedDomain, CheckedMesh, Order, check};
 pub use domain::{Ready, Source};
 pub use failure::{Class, Defect, Failure};
 pub use points::delaunay;
-pub use result::{Meshed, Outcome, save};
-pub use sync::Progress;
+pub use result::{ExcusedTet, Meshed, Outcome, save};
+pub use sync::{Figures, Progress};
 pub use wishes::{Near, SizeAt, Wishes};
 pub use work::{PATIENCE, Reins, in_own_pool, in_pool, unpanicked};
 

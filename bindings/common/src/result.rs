@@ -6,11 +6,20 @@ use crate::failure::Failure;
 use crate::locate::Locator;
 use crate::work::in_own_pool;
 use ltbw::quality::{self, LeastAngles, Quality};
-use ltbw::refine::{Refined, RegionInfo};
+use ltbw::refine::{Excuse, Refined, RegionInfo};
 use ltbw::topology::TetId;
 use ltbw::{BoundaryFace, CancelToken, Point, TetMesh, canonical_hash, io};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
+
+/// A tetrahedron over a bound.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExcusedTet {
+    /// Its place.
+    pub tet: u32,
+    /// The reason.
+    pub reason: String,
+}
 
 /// The outcome of the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,13 +144,15 @@ impl Meshed {
         }
     }
 
-    /// The tetrahedra over a bound, each with the reason.
+    /// The tetrahedra over a bound.
     #[must_use]
-    pub fn excuses(&self) -> Vec<(u32, String)> {
+    pub fn excuses(&self) -> Vec<ExcusedTet> {
         let Some(refined) = self.refined() else { return Vec::new() };
         let place = self.body.places();
         let all = refined.excuses.iter();
-        all.map(|e| (place[e.tet.index()], e.reason.to_string())).collect()
+        let told =
+            |e: &Excuse| ExcusedTet { tet: place[e.tet.index()], reason: e.reason.to_string() };
+        all.map(told).collect()
     }
 
     /// The place that coordinates are relative to.

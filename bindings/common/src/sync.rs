@@ -14,6 +14,15 @@ pub struct Progress {
     bell: Condvar,
 }
 
+/// The points of a piece of work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Figures {
+    /// The number of points done.
+    pub done: u64,
+    /// The number of all, if it is known.
+    pub total: Option<u64>,
+}
+
 impl Observer for Progress {
     fn progress(&self, progress: ltbw::Progress) {
         // Figures for people: neither orders anything else.
@@ -23,10 +32,10 @@ impl Observer for Progress {
 }
 
 impl Progress {
-    /// Points done, and their total, if it is known.
-    pub fn figures(&self) -> (u64, Option<u64>) {
+    /// The points so far.
+    pub fn figures(&self) -> Figures {
         let total = self.total.load(Ordering::Relaxed);
-        (self.done.load(Ordering::Relaxed), (total > 0).then_some(total))
+        Figures { done: self.done.load(Ordering::Relaxed), total: (total > 0).then_some(total) }
     }
 
     /// Says that the work has ended.

@@ -5,7 +5,7 @@ use crate::domain::{Asked, Given};
 use crate::failure::Failure;
 use crate::kernel::measures;
 use crate::supervise::supervised;
-use ltbw_bindings::{Class, Order, Ready, Reins, in_own_pool};
+use ltbw_bindings::{CheckedMesh, Class, Order, Ready, Reins, in_own_pool};
 use numpy::{Element, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -63,7 +63,7 @@ pub(crate) fn check<'py>(
     let order = if any_order { Order::Any } else { Order::Oriented };
     let check =
         move |_: &Reins| Ok(ltbw_bindings::check(&points, &tets, order, all_points, delaunay)?);
-    let (certificate, quality) = supervised(py, None, check)?;
+    let CheckedMesh { certificate, quality } = supervised(py, None, check)?;
     Ok((certificate, quality.map(|quality| measures(py, &quality)).transpose()?))
 }
 
@@ -86,5 +86,5 @@ pub(crate) fn check_domain(
             Ok(ready.check(&points, &tets, order, &wishes))
         })
     })?;
-    Ok(checked.1)
+    Ok(checked.certificate)
 }

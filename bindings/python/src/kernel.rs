@@ -137,7 +137,7 @@ impl Kernel {
 
     /// The tetrahedra over a bound, each with the reason.
     fn excuses(&self) -> Vec<(u32, String)> {
-        self.0.excuses()
+        self.0.excuses().into_iter().map(|own| (own.tet, own.reason)).collect()
     }
 
     /// The place that coordinates are relative to.

@@ -1,7 +1,7 @@
 //! Work on a thread of its own, watched by the thread that Python called from.
 
 use crate::failure::Failure;
-use ltbw_bindings::{Class, PATIENCE, Reins, unpanicked};
+use ltbw_bindings::{Class, Figures, PATIENCE, Reins, unpanicked};
 use pyo3::prelude::*;
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -14,7 +14,7 @@ const GRACE: Duration = Duration::from_millis(200);
 pub(crate) fn look(py: Python<'_>, reins: &Reins, tell: Option<&Py<PyAny>>) -> PyResult<()> {
     let looked = py.check_signals().and_then(|()| {
         let Some(tell) = tell else { return Ok(()) };
-        let (done, total) = reins.progress.figures();
+        let Figures { done, total } = reins.progress.figures();
         let answer = tell.call1(py, (done, total))?;
         // `False`, numpy's too, asks for the end; the mesh so far is kept.
         if let Ok(false) = answer.extract::<bool>(py) {
@@ -27,7 +27,7 @@ pub(crate) fn look(py: Python<'_>, reins: &Reins, tell: Option<&Py<PyAny>>) -> P
 
 /// Tells that all is done, where it is known how much that is: a bar would stop short of its end.
 fn last(py: Python<'_>, reins: &Reins, tell: Option<&Py<PyAny>>) -> PyResult<()> {
-    let (Some(tell), Some(total)) = (tell, reins.progress.figures().1) else { return Ok(()) };
+    let (Some(tell), Some(total)) = (tell, reins.progress.figures().total) else { return Ok(()) };
     if !reins.cancel.is_cancelled() {
         tell.call1(py, (total, total))?;
     }
