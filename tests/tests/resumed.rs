@@ -4,7 +4,7 @@
 use ltbw::CancelToken;
 use ltbw::domain::{Domain, PrepareOptions};
 use ltbw::refine::{Refined, Refiner};
-use ltbw::refining::{Checkpoints, Wishes, rounds_on_team};
+use ltbw::refining::{Checkpoints, Pieces, Wishes, rounds_on_team};
 use ltbw::threads::Parallel;
 use ltbw_generate::layers::stack;
 use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
@@ -14,7 +14,7 @@ use std::cell::RefCell;
 /// A checkpoint, and the number of rounds before it.
 struct Kept {
     rounds: u64,
-    state: Vec<u8>,
+    state: Vec<Vec<u8>>,
 }
 
 /// A mesh, by all that a resumed run may not change.
@@ -33,12 +33,13 @@ fn resumes(name: &str, domain: &Domain, options: &PrepareOptions, refiner: &Refi
     let ready = domain.prepare(options).expect("a sound domain");
     let whole = (&ready.domain, &ready.lattice);
     let engine = told(&refiner.refine(whole.0, whole.1).expect("a mesh"));
-    let run = |members: u32, every: u64, from: Option<&[u8]>| -> Vec<Kept> {
+    let run = |members: u32, every: u64, from: Option<&[Vec<u8>]>| -> Vec<Kept> {
         let ends = on_team(members, |team| {
             let (token, parallel) = (CancelToken::new(), Parallel::new(members));
             let kept = RefCell::new(Vec::new());
-            let keep = |rounds, state: &[u8]| {
-                kept.borrow_mut().push(Kept { rounds, state: state.to_vec() });
+            let keep = |rounds, pieces: &mut Pieces<'_>| {
+                let state = pieces.collect::<Result<_, _>>().expect("all pieces");
+                kept.borrow_mut().push(Kept { rounds, state });
             };
             let checkpoints = Checkpoints { every, from, keep: Some(&keep) };
             let wishes = Wishes { checkpoints, ..Wishes::default() };
@@ -79,6 +80,32 @@ fn a_refinement_goes_on_from_its_checkpoints_on_any_team() {
         let count = resumes(&format!("{kind:?}"), &domain, &options, &refiner);
         assert!(count >= 2, "{kind:?}: {count} checkpoints");
     }
+}
+
+/// A part is its vertices: 45 bytes for each vertex of the mesh, with those that parts share.
+#[test]
+fn checkpoints_are_small() {
+    let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refiner = Refiner::new().max_volume(1e-4).start(0);
+    let ends = on_team(2, |team| {
+        let (token, parallel) = (CancelToken::new(), Parallel::new(2));
+        let sizes = RefCell::new(Vec::new());
+        let keep = |_, pieces: &mut Pieces<'_>| {
+            let bytes = pieces.map(|piece| piece.expect("all pieces").len()).sum::<usize>();
+            sizes.borrow_mut().push(bytes);
+        };
+        let checkpoints = Checkpoints { every: 4, from: None, keep: Some(&keep) };
+        let wishes = Wishes { checkpoints, ..Wishes::default() };
+        let whole = (&ready.domain, &ready.lattice);
+        let refined = rounds_on_team(&refiner, whole, (&parallel, &token), team, wishes);
+        (refined.expect("a mesh").into_whole(), sizes.into_inner())
+    });
+    let (first, sizes) = ends.into_iter().next().expect("a member");
+    let vertices = first.expect("the mesh").refined.mesh().num_vertices();
+    let largest = sizes.into_iter().max().expect("a checkpoint");
+    println!("{vertices} vertices: {largest} bytes at most");
+    assert!(largest > 24 * vertices / 2 && largest <= 45 * vertices, "{largest}, {vertices}");
 }
 
 #[test]

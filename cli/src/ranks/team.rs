@@ -13,7 +13,9 @@ use ltbw::domain::{Prepared, Thickness};
 use ltbw::io::{Border, Piece};
 use ltbw::protocol::WorkerId;
 use ltbw::refine::{Refined, Refiner};
-use ltbw::refining::{Checkpoints, RefineError, TeamEnd, Wishes, domain_on_team, rounds_on_team};
+use ltbw::refining::{
+    Checkpoints, Pieces, RefineError, TeamEnd, Wishes, domain_on_team, rounds_on_team,
+};
 use ltbw::team::{LetterFigures, Team, TeamError};
 use ltbw::threads::{BuiltPart, RunError};
 use ltbw::wire::{VERSION, WireError};
@@ -64,8 +66,8 @@ struct Kept {
     file: Checkpoint,
     /// The job. What it has read is known when all have agreed.
     job: RefCell<Job>,
-    /// The state to go on from.
-    from: RefCell<Option<Vec<u8>>>,
+    /// The state to go on from, in pieces.
+    from: RefCell<Option<Vec<Vec<u8>>>>,
 }
 
 impl Kept {
@@ -171,9 +173,9 @@ impl Apart for Member<'_> {
         wishes: Wishes<'_>,
     ) -> Result<TeamEnd<(Refined, Made)>, RefineError> {
         let from = self.kept.as_ref().and_then(|own| own.from.take());
-        let keep = |rounds: u64, state: &[u8]| {
+        let keep = |rounds: u64, pieces: &mut Pieces<'_>| {
             if let Some(Kept { file, job, .. }) = &self.kept {
-                file.keep(&job.borrow(), rounds, state);
+                file.keep(&job.borrow(), rounds, pieces);
             }
         };
         let checkpoints = Checkpoints {

@@ -384,8 +384,16 @@ pub fn mesh_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
 
 /// Writes `bytes` to any file the way all files of this module are written: aside, then renamed.
 pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), IoError> {
-    let path = path.as_ref();
-    AtomicFile::write(path, |out| out.write_all(bytes))?.publish()
+    write_with(path, |out| out.write_all(bytes))
+}
+
+/// As [`write_bytes`], of bytes that come one after the other: an error of `write` leaves the file
+/// as it was.
+pub fn write_with(
+    path: impl AsRef<Path>,
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<(), IoError> {
+    AtomicFile::write(path.as_ref(), |out| write(out))?.publish()
 }
 
 /// All bytes of a file, whatever its extension. A folder and a device are refused.

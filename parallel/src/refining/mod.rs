@@ -26,8 +26,8 @@ pub use news::{
 };
 #[cfg(feature = "wire")]
 pub use rounds::{
-    Checkpoints, LateSteps, PartMesh, RefinedPart, RefinedWhole, SliverThere, TeamEnd, TeamRounds,
-    Wishes, rounds_on_team,
+    Checkpoints, LateSteps, PartMesh, Pieces, RefinedPart, RefinedWhole, SliverThere, TeamEnd,
+    TeamRounds, Wishes, rounds_on_team,
 };
 pub use rounds::{
     Ending, InnerCandidate, Late, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step,

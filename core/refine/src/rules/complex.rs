@@ -18,7 +18,7 @@ use crate::rules::choice::{BoundaryItem, Corner};
 use crate::rules::group::Group;
 use crate::rules::strategy::{Order, Strategy};
 use ltbw_core::Random;
-use ltbw_core::mesh::Mesh;
+use ltbw_core::mesh::{Mesh, Vertex};
 use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::{Mode, Point};
 use std::sync::Arc;
@@ -165,6 +165,26 @@ impl Start {
             }
         }
         weights
+    }
+
+    /// This one with another mesh: where its vertices live, by number, and the regions of its
+    /// finite tetrahedra.
+    pub fn with_mesh(
+        self,
+        mesh: &Mesh,
+        carrier: impl Fn(Vertex) -> Carrier,
+        region: impl Fn(TetId) -> u32,
+    ) -> Self {
+        let vertices = || (1..=mesh.num_vertices()).map(VertexId::at);
+        let slots = || TetId::below(mesh.topology().slots() as u32);
+        let lives = |v: VertexId| mesh.number(v).map_or(Carrier::Free, &carrier);
+        Self {
+            points: vertices().map(|v| mesh.kernel_point(v)).collect(),
+            carriers: vertices().map(lives).collect(),
+            tets: slots().map(|t| *mesh.topology().at(t)).collect(),
+            labels: slots().map(region).collect(),
+            ..self
+        }
     }
 
     pub(crate) fn of(state: &State, regions: Vec<RegionInfo>, most: u64) -> Self {

@@ -1,7 +1,6 @@
 //! Rounds that others carry out, on many processors: they get the mesh at the start, and hand over
 //! what they have when they are done, or at a step that takes the whole mesh; or they keep it.
 
-mod border;
 mod parts;
 
 use super::{Refiner, Run, START, START_WITH_PATCHES};
@@ -241,6 +240,11 @@ impl<'a> Delegated<'a> {
     /// The figures of all rounds so far.
     pub fn stats(&self) -> RefineStats {
         self.run.stats
+    }
+
+    /// Goes on from where others were between two rounds, with these figures.
+    pub fn go_on_from(&mut self, stats: RefineStats) {
+        self.run.stats = stats;
     }
 
     /// Takes the state that others hand over.

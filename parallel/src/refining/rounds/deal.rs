@@ -77,7 +77,12 @@ struct Stopped<'c, C> {
     moved: Moved,
 }
 
-impl<C> Stopped<'_, C> {
+impl<'c, C: Rules> Stopped<'c, C> {
+    fn go_on(mut self, config: Config) -> RoundNode<'c, C> {
+        self.source.begin_again();
+        Worker::new(config, self.directory, self.mesh, self.source)
+    }
+
     fn me(&self) -> WorkerId {
         self.directory.me()
     }
@@ -116,13 +121,25 @@ pub(super) fn redeal<'c, C: Rules>(
     let mut moved = Vec::with_capacity(all.len());
     let config = Config { workers, ..common.config };
     let again = |mut own: Stopped<'c, C>| {
-        own.source.begin_again(has_moved);
+        own.source.have_looked(has_moved);
         own.source.count_moved(own.moved.came);
         moved.push(own.moved);
-        Worker::new(config, own.directory, own.mesh, own.source)
+        own.go_on(config)
     };
     let nodes = all.into_iter().map(again).collect();
     Ok((nodes, moved))
+}
+
+/// A worker that has stopped at a border goes on to the next one.
+#[cfg(feature = "wire")]
+pub(super) fn past_border<'c, C: Rules>(
+    node: RoundNode<'c, C>,
+    config: Config,
+    next: u64,
+) -> RoundNode<'c, C> {
+    let mut own = stopped(node);
+    own.source.border = Some(next);
+    own.go_on(config)
 }
 
 fn stopped<'c, C: Rules>(node: RoundNode<'c, C>) -> Stopped<'c, C> {

@@ -41,6 +41,7 @@
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
 //! | `way` | straight ways to proposed points |
+//! | `checkpoint` | parts between two rounds as bytes, and what they make again |
 //! | `ranks`, `simulated` | a worker in each process of a team; on simulated processors |
 //! | `late`, `parts` | what takes the whole mesh in the end; processes that keep their parts |
 //! | `ends` | what each member of a team has in the end |
@@ -51,6 +52,8 @@ mod beyond;
 mod blocks;
 mod borrowed;
 mod candidate;
+#[cfg(feature = "wire")]
+mod checkpoint;
 mod circles;
 mod conduct;
 mod contest;
@@ -99,7 +102,7 @@ pub(super) use parts::{Ended, Ends, Own, Stays};
 #[cfg(feature = "wire")]
 pub use parts::{PartMesh, RefinedPart, RefinedWhole, SliverThere};
 #[cfg(feature = "wire")]
-pub use ranks::{Checkpoints, TeamRounds, Wishes, rounds_on_team};
+pub use ranks::{Checkpoints, Pieces, TeamRounds, Wishes, rounds_on_team};
 pub use reserved::{InnerCandidate, unkilled};
 pub use simulated::{SimulatedRounds, simulate_rounds, simulate_rounds_as};
 pub use source::Rounds;
@@ -271,7 +274,6 @@ fn go_on(
     (ending, figures): (Ending, RoundFigures),
 ) -> Result<Then, RefineError> {
     let left = match ending {
-        Ending::Border => Some(delegated.stop_between(handed)?),
         Ending::Cancelled => return Ok(Then::One(Some(Box::new(handed)))),
         _ if handed.slivers.is_some() => return Ok(Then::One(Some(Box::new(handed)))),
         _ => delegated.go_to_slivers(handed)?,
@@ -283,7 +285,7 @@ fn go_on(
 /// The ending that is told of, after one before: the first that left something undone.
 fn told_of(before: Ending, next: Ending) -> Ending {
     match before {
-        Ending::Done | Ending::Border => next,
+        Ending::Done => next,
         before => before,
     }
 }

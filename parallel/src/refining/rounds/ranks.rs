@@ -2,8 +2,10 @@
 //! keeps its part; where something is left that takes the whole mesh the first one puts together
 //! what they leave, as it does with threads.
 
-use super::deal::{self, Common, Exchange, To, Value, redeal};
+use super::checkpoint::{self, Head, Kept};
+use super::deal::{self, Common, Exchange, To, Value, past_border, redeal};
 use super::ends::{LateSteps, TeamEnd};
+use super::figures::RoundFigures;
 use super::late::{self, Late};
 use super::parts::{Ended, Ends, Own, Stays};
 use super::{
@@ -11,7 +13,7 @@ use super::{
     told_of,
 };
 use crate::mesh::SharedInput;
-use crate::protocol::{Correct, WorkerId};
+use crate::protocol::{Config, Correct, WorkerId};
 use crate::refining::RefineError;
 use crate::refining::domain::DomainMesh;
 use crate::refining::parcel::{Collected, Parcel, of_team};
@@ -27,11 +29,11 @@ use std::time::Instant;
 /// The state in which workers go on after another one has taken over, with the mesh as it is then.
 type Again = Option<(Start, Resumed)>;
 
-/// That state at a checkpoint, with the figures of the refinement so far.
-type Kept = (Start, Resumed, RefineStats);
+/// The pieces of a checkpoint as they arrive, up to the last one or to an error.
+pub type Pieces<'p> = dyn Iterator<Item = Result<Vec<u8>, TeamError>> + 'p;
 
 /// A function that takes the number of rounds so far, and a checkpoint.
-type Keep<'k> = &'k dyn Fn(u64, &[u8]);
+type Keep<'k> = &'k dyn Fn(u64, &mut Pieces<'_>);
 
 /// The checkpoints of a refinement in rounds: those of the first member count.
 #[derive(Clone, Copy, Default)]
@@ -39,7 +41,7 @@ pub struct Checkpoints<'k> {
     /// Rounds from one to the next. There are none if it is 0.
     pub every: u64,
     /// The one to go on from: of this domain and these bounds, and of this build.
-    pub from: Option<&'k [u8]>,
+    pub from: Option<&'k [Vec<u8>]>,
     /// Takes each, with the number of rounds before it.
     pub keep: Option<Keep<'k>>,
 }
@@ -87,23 +89,30 @@ pub fn rounds_on_team(
     }
     let stats = WorkerStats::default();
     let is_first = team.is_first();
-    let kept: Option<Kept> =
-        checkpoints.from.map(|bytes| value_of(team.me(), bytes)).transpose().map_err(of_team)?;
-    let (stats_then, from) = match kept {
-        Some((start, resumed, stats)) => (stats, Some((start, resumed))),
-        None => (RefineStats::default(), None),
+    let kept = match (&delegated, checkpoints.from) {
+        (Ok(own), Some(pieces)) if is_first => Some(kept(own, pieces)),
+        _ => None,
+    };
+    if kept.as_ref().is_some_and(Result::is_err) {
+        // The others wait to be told of it.
+        team.fail();
+    }
+    let (stats_then, from) = match kept.transpose()? {
+        Some(Kept { start, resumed, stats }) => (Some(stats), Some((start, resumed))),
+        None => (None, None),
     };
     let told: Option<(u64, Again)> = is_first.then_some((checkpoints.every, from));
     let (every, from) = team.tell_value(told).map_err(of_team)?;
     let ends = Ends { in_parts, with_exterior, markers, fine_step: lattice.fine_step() };
-    let mut member = Member { parallel, cancel, team, stats, every, ends };
+    let (keep, before) = (checkpoints.keep, RefineStats::default());
+    let mut member = Member { parallel, cancel, team, stats, every, keep, before, ends };
     match delegated {
         own if is_first => {
             let mut own = own?;
-            if from.is_some() {
-                own.go_on_from(stats_then);
+            if let Some(stats) = stats_then {
+                own.go_on_from(stats);
             }
-            let ended = member.lead(own, is_stopped, from, checkpoints.keep);
+            let ended = member.lead(own, is_stopped, from);
             if ended.is_err() {
                 // The others may wait for this one.
                 member.team.fail();
@@ -115,6 +124,11 @@ pub fn rounds_on_team(
     }
 }
 
+/// The state that a checkpoint of this refinement is of.
+fn kept(delegated: &Delegated<'_>, pieces: &[Vec<u8>]) -> Result<Kept, RefineError> {
+    checkpoint::read(pieces, delegated.complex()?.1)
+}
+
 /// One member's part in a refinement.
 struct Member<'m, 'p> {
     parallel: &'m Parallel<'p>,
@@ -123,6 +137,10 @@ struct Member<'m, 'p> {
     stats: WorkerStats,
     /// Rounds from one checkpoint to the next, if there are any.
     every: u64,
+    /// The first one's: the taker of checkpoints.
+    keep: Option<Keep<'m>>,
+    /// The figures of the refinement when these rounds began, at the first one.
+    before: RefineStats,
     ends: Ends<'p>,
 }
 
@@ -176,6 +194,17 @@ impl Member<'_, '_> {
         let node = loop {
             let (ended, stats) = self.parallel.run_on(self.team, node)?;
             self.stats.add(&stats);
+            if ended.source().ending == Some(Ending::Border) {
+                let next = ended.source().figures.rounds[0].saturating_add(self.every);
+                let kept = self.keep_part(&ended, resumed.figures);
+                if kept.is_err() {
+                    // Others may wait for this one.
+                    self.team.fail();
+                }
+                kept?;
+                node = past_border(ended, Config { workers: layout.workers, ..config }, next);
+                continue;
+            }
             if !deal::is_due(std::slice::from_ref(&ended)) {
                 break ended;
             }
@@ -189,6 +218,37 @@ impl Member<'_, '_> {
         };
         let (mesh, left) = ended_by(node);
         Ok(Rest { mesh, left, common })
+    }
+
+    /// Writes this member's part at a border: the first one takes those of all in turn.
+    fn keep_part(
+        &mut self,
+        node: &RoundNode<'_, Correct>,
+        begin: RoundFigures,
+    ) -> Result<(), RefineError> {
+        let own = checkpoint::slice_of(node)?;
+        let told = self.team.gather_values(&node.source().figures).map_err(of_team)?;
+        let Some(told) = told else {
+            self.team.send(WorkerId::default(), &own);
+            return Ok(());
+        };
+        let head = Head::of(node, &told, begin, self.before).into_bytes()?;
+        let others = WorkerId::below(self.team.size()).skip(1);
+        let mut failed = None;
+        let mut theirs = others.map_while(|from| {
+            let piece = self.team.receive(from);
+            failed = piece.as_ref().err().cloned();
+            Some(piece)
+        });
+        let mut pieces = [head, own].into_iter().map(Ok).chain(theirs.by_ref());
+        if let Some(keep) = self.keep {
+            keep(node.source().figures.rounds[0], &mut pieces);
+        }
+        // A checkpoint that cannot be written has its letters, too.
+        while let Some(Ok(_)) = pieces.next() {}
+        drop(pieces);
+        drop(theirs);
+        failed.map_or(Ok(()), |error| Err(of_team(error)))
     }
 
     /// Work of the first one that the others wait for.
@@ -225,7 +285,6 @@ impl Member<'_, '_> {
         mut delegated: Delegated<'_>,
         is_stopped: bool,
         mut from: Again,
-        keep: Option<Keep<'_>>,
     ) -> Result<Result<TeamRounds, RefineError>, RefineError> {
         let (mut resumed, mut firsts, mut workers) = (Resumed::default(), Vec::new(), Vec::new());
         let mut ended = Ending::Done;
@@ -251,6 +310,7 @@ impl Member<'_, '_> {
             if let Some(kept) = from.take() {
                 (start, resumed) = kept;
             }
+            self.before = delegated.stats();
             let rest = self.refine(complex, &start, &mut resumed)?;
             since = Instant::now();
             match self.stay(&rest, &delegated, (&start, &resumed))? {
@@ -266,7 +326,7 @@ impl Member<'_, '_> {
             let (handed, ending, slots) = join(all, common, before, &mut resumed.figures)?;
             firsts = slots;
             tets = Some(handed.mesh.num_tets() as u64);
-            resumed.figures.ended += u64::from(ending != Ending::Border);
+            resumed.figures.ended += 1;
             ended = told_of(ended, ending);
             let figures = resumed.figures;
             match self.alone(|| go_on(&mut delegated, handed, (ending, figures)))?? {
@@ -275,14 +335,7 @@ impl Member<'_, '_> {
                     break (self.alone(|| finish(delegated, left))?, Ok(ended));
                 }
                 Then::Workers(left) => {
-                    let again = (delegated.complex()?.1, *left);
-                    if let (Ending::Border, Some(keep)) = (ending, keep) {
-                        let (start, left) = &again;
-                        let kept = (start, left, delegated.stats());
-                        let bytes = bytes_of(&kept, self.team.me()).map_err(of_team)?;
-                        keep(left.figures.rounds[0], &bytes);
-                    }
-                    let again: Again = Some(again);
+                    let again: Again = Some((delegated.complex()?.1, *left));
                     let told = self.team.tell_value(Some(again)).map_err(of_team)?;
                     resumed = told.map(|(_, resumed)| resumed).unwrap_or_default();
                 }

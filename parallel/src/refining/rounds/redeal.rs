@@ -202,10 +202,14 @@ impl<C: Rules> Rounds<C> {
         Ok(())
     }
 
-    /// The next round begins, and nothing of the one before is left. Have the cuts moved?
-    pub(super) fn begin_again(&mut self, have_moved: bool) {
+    /// The cuts were looked at, and have moved or not.
+    pub(super) fn have_looked(&mut self, have_moved: bool) {
         self.pace.looked(self.figures.rounds[0], have_moved);
         self.figures.redeals += u64::from(have_moved);
+    }
+
+    /// The next round begins, and nothing of the one before is left.
+    pub(super) fn begin_again(&mut self) {
         self.stage = Stage::Counting;
         self.waves = Waves::new(self.me, self.workers);
         self.exchange = Default::default();
