@@ -48,6 +48,9 @@ pub(super) struct Conclusion {
 #[derive(Debug, Default)]
 pub(super) struct Demands {
     pub(super) pending: Map<Item, Pending>,
+    /// Items that were split or are gone, for which others may still say that they wait. One that
+    /// is not pending bars nobody; it counts when it is asked for once more.
+    gone: Set<Item>,
     /// Items asked for in this round.
     pub(super) asked: Vec<Asked>,
     /// Pending items that were found to wait in this round.
@@ -75,6 +78,7 @@ impl Demands {
     /// Enters who waits, and the items that were asked for with their limits; `false` if these are
     /// nothing new.
     pub(super) fn take_asked(&mut self, record: &mut Record) -> bool {
+        self.forget_gone();
         let Self { pending, asked, waits, .. } = self;
         let mut news = false;
         pending.extend(waits.drain(..));
@@ -116,8 +120,17 @@ impl Demands {
     /// An item is split, or gone.
     pub(super) fn remove(&mut self, item: &Item) {
         self.pending.remove(item);
-        let waited = |own: &&mut Pending| own.first == Some(*item);
-        self.pending.values_mut().filter(waited).for_each(|own| own.first = None);
+        self.gone.insert(*item);
+    }
+
+    /// Nobody waits for what was removed: once in a round, since all are looked at.
+    fn forget_gone(&mut self) {
+        if !self.gone.is_empty() {
+            let waited =
+                |own: &&mut Pending| own.first.is_some_and(|item| self.gone.contains(&item));
+            self.pending.values_mut().filter(waited).for_each(|own| own.first = None);
+            self.gone.clear();
+        }
     }
 
     /// The foremost item of each circle of items that wait for each other, in the order of their
