@@ -75,6 +75,11 @@ pub(crate) fn same(name: &str, one: &Refined, other: &Refined) {
     assert_eq!(figures(one), figures(other), "{name}");
 }
 
+/// The matrix that every domain goes through, beside simulated processors and cuts that move:
+/// workers, and the threads of all that is not theirs (the start, late steps, sorting). One worker
+/// is once the engine by itself.
+const MATRIX: [(u32, usize); 8] = [(0, 2), (0, 8), (1, 1), (1, 2), (2, 1), (2, 2), (3, 1), (8, 1)];
+
 /// Refines in every way: one mesh. Returns how the workers' rounds have ended.
 pub(crate) fn one_mesh(
     name: &str,
@@ -82,7 +87,7 @@ pub(crate) fn one_mesh(
     ready: &Prepared,
 ) -> Result<Ending, ComplexError> {
     let refiner = &refiner.count_angles();
-    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    let engine = in_pool(1, || refiner.refine(&ready.domain, &ready.lattice)).expect("a mesh");
     invariants::check_all(engine.mesh()).expect("invariants of the mesh");
     let whole = (&ready.domain, &ready.lattice);
     // Where something was refused the engine splits slivers. Asked of few.
@@ -90,9 +95,16 @@ pub(crate) fn one_mesh(
         let plain = refiner.min_dihedral(0.0).refine(&ready.domain, &ready.lattice);
         plain.expect("a mesh").stats.round_points == 0
     };
-    for threads in [1, 2, 3, 8] {
-        let run = rounds_on_threads(refiner, whole, &Parallel::new(threads)).expect("a run ends");
-        same(&format!("{name} on {threads} threads"), &run.refined, &engine);
+    for (workers, threads) in MATRIX {
+        let name = format!("{name}, {workers} workers, {threads} threads");
+        if workers == 0 {
+            let refined = in_pool(threads, || refiner.refine(whole.0, whole.1));
+            same(&name, &refined.expect("a mesh"), &engine);
+            continue;
+        }
+        let run = in_pool(threads, || rounds_on_threads(refiner, whole, &Parallel::new(workers)));
+        let run = run.expect("a run ends");
+        same(&name, &run.refined, &engine);
         // At patches something may be refused in the first round.
         let is_done = run.ending.is_err() || run.ending == Ok(Ending::Irregular);
         assert!(is_done || run.figures.points > 0 || no_points(), "{name}");
@@ -107,6 +119,12 @@ pub(crate) fn one_mesh(
         ending = Some(run.ending);
     }
     ending.expect("a run")
+}
+
+/// Does something where so many threads share the work.
+fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+    pool.install(work)
 }
 
 /// Refines by workers whose cuts move after every round, or every few: the engine's mesh. Cases
@@ -230,22 +248,6 @@ fn all_kinds_of_domains_have_the_engines_mesh() {
     let ready = prepared(DomainKind::CubeOctahedron, &Shape::default());
     let refiner = Refiner::new().sizing(&field).start(0);
     assert_eq!(one_mesh("a field", &refiner, &ready), Ok(Ending::Done));
-}
-
-#[test]
-fn random_domains_have_the_engines_mesh() {
-    let cases = cases(12);
-    for seed in 0..cases {
-        let ready = prepared(DomainKind::Voxels, &Shape { seed, ..Shape::default() });
-        let refiner = Refiner::new().max_volume(0.02).start(100);
-        let name = format!("voxels {seed}");
-        let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-        let run = simulated(&refiner, &ready, (7, 3_000));
-        same(&name, &run.refined, &engine);
-        let whole = (&ready.domain, &ready.lattice);
-        let run = rounds_on_threads(&refiner, whole, &Parallel::new(4)).expect("a run ends");
-        same(&name, &run.refined, &engine);
-    }
 }
 
 #[test]

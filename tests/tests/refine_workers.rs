@@ -87,25 +87,20 @@ fn random_domains_have_the_engines_mesh() {
     );
 }
 
+/// Of all kinds of domains `parallel/tests/refining_rounds.rs` has the matrix of workers and
+/// threads. Here are very many workers, and all laws of latencies.
 #[test]
-fn the_papers_problems_have_the_engines_mesh_on_many_workers() {
-    let problems = [
-        (DomainKind::CubeOctahedron, 2e-3),
-        (DomainKind::CubeInCube, 2e-3),
-        (DomainKind::Tee, 2e-3),
-        (DomainKind::Gear, 1e-3),
-    ];
-    for (k, (kind, volume)) in problems.into_iter().enumerate() {
+fn many_workers_have_the_engines_mesh() {
+    for kind in [DomainKind::CubeOctahedron, DomainKind::Gear] {
         let ready = prepared(&generate_domain(kind, &Shape::default()).expect("a domain"));
-        let refiner = Refiner::new().max_volume(volume).start(0);
+        let refiner = Refiner::new().max_volume(2e-3).start(0);
         let case = Case::new(format!("{kind:?}"), refiner, &ready);
-        assert!(case.on_threads(&[1, 2, 3, 4, 8, 16]).is_some(), "{kind:?}");
+        assert!(case.on_threads(&[16]).is_some(), "{kind:?}");
         let laws = Distribution::ALL.map(|law| [(2, 1_000, law), (16, 30_000, law)]);
         case.on_processors(laws.as_flattened());
-        let law = Distribution::ALL[k];
         // Most of 1024 have no tetrahedron at the start.
-        let most = if k == 0 || cases(10) > 10 { 1024 } else { 64 };
-        case.on_processors(&[(most, 10_000, law)]);
+        let most = if kind == DomainKind::CubeOctahedron { 1024 } else { 64 };
+        case.on_processors(&[(most, 10_000, Distribution::ALL[3])]);
     }
 }
 
