@@ -51,6 +51,9 @@ pub(super) struct Demands {
     /// Items that were split or are gone, for which others may still say that they wait. One that
     /// is not pending bars nobody; it counts when it is asked for once more.
     gone: Set<Item>,
+    /// Items that were looked at for what they wait for.
+    #[cfg(test)]
+    steps: usize,
     /// Items asked for in this round.
     pub(super) asked: Vec<Asked>,
     /// Pending items that were found to wait in this round.
@@ -126,6 +129,10 @@ impl Demands {
     /// Nobody waits for what was removed: once in a round, since all are looked at.
     fn forget_gone(&mut self) {
         if !self.gone.is_empty() {
+            #[cfg(test)]
+            {
+                self.steps += self.pending.len();
+            }
             let waited =
                 |own: &&mut Pending| own.first.is_some_and(|item| self.gone.contains(&item));
             self.pending.values_mut().filter(waited).for_each(|own| own.first = None);
@@ -142,5 +149,41 @@ impl Demands {
         let first_of = |item: &Item| numbers.get(&self.pending.get(item)?.first?).copied();
         let first: Vec<Option<usize>> = items.iter().map(first_of).collect();
         circles(&first).into_iter().map(|circle| items[circle[0]]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ltbw_core::topology::VertexId;
+
+    fn segment(k: u32) -> Item {
+        Item::Segment([k, k + 1].map(VertexId::new))
+    }
+
+    fn asked(item: Item) -> Asked {
+        Asked { item, limit: None, near: TetId::new(0) }
+    }
+
+    /// A round splits a part of all items: to look at all for each was quadratic.
+    #[test]
+    fn items_that_wait_are_looked_at_once_in_a_round() {
+        const COUNT: u32 = 1000;
+        let (mut demands, mut record) = (Demands::default(), Record::default());
+        demands.asked.extend((0..2 * COUNT).map(|k| asked(segment(k))));
+        // Of two items the second waits for the first.
+        demands.waits.extend((0..COUNT).map(|k| {
+            let first = Some(segment(2 * k));
+            (segment(2 * k + 1), Pending { first, near: TetId::new(0) })
+        }));
+        demands.take_asked(&mut record);
+        assert_eq!(demands.ready().count(), COUNT as usize);
+        (0..COUNT).for_each(|k| demands.remove(&segment(2 * k)));
+        assert_eq!(demands.ready().count(), COUNT as usize, "what waited is ready");
+        // An item that is asked for once more is not waited for.
+        demands.asked.extend((0..COUNT).map(|k| asked(segment(2 * k))));
+        demands.take_asked(&mut record);
+        assert_eq!(demands.ready().count(), 2 * COUNT as usize);
+        assert!(demands.steps <= 2 * COUNT as usize, "{} steps", demands.steps);
     }
 }
