@@ -19,7 +19,7 @@ use crate::task::{Beside, Judged};
 use crate::unrecovered;
 use crate::workers::{Made, print_workers};
 use ltbw::domain::Prepared;
-use ltbw::quality::{self, Quality};
+use ltbw::quality::{self, Measures};
 use ltbw::refine::{RefineOutcome, Refined, Verdict};
 use ltbw::{TetMesh, canonical_hash};
 use serde_json::Value;
@@ -67,7 +67,10 @@ pub(crate) fn finish(
     }
     report.mesh.hash = Some(hash);
     report.seconds = seconds;
-    let mut judged = Judged::unseen(told.measured(Quality::of(&inside.points, &inside.tets)));
+    let with_arrays = !(task.outputs.whole.is_empty() || job.keep_exterior);
+    let measures = Measures::of(&inside.points, &inside.tets, with_arrays);
+    let (measured, arrays) = measures.map(|own| (own.quality, own.arrays)).unzip();
+    let mut judged = Judged::unseen(told.measured(measured));
     drop(stage);
     told.print(judged.measured.as_ref());
     print_workers(&made);
@@ -93,7 +96,10 @@ pub(crate) fn finish(
         let owners = made.owners.of(&refined, job.keep_exterior);
         parts_of(mesh, &owners, job.parts())
     };
-    let values = || quality::arrays(&mesh.points, &mesh.tets);
+    let values = || match &whole {
+        Some(whole) => quality::arrays(&whole.points, &whole.tets),
+        None => arrays.unwrap_or_else(|| quality::arrays(&inside.points, &inside.tets)),
+    };
     task.write(mesh, Beside { values, names: &job.boundary.names }, parts, &mut report)?;
     rounds::write_trace(job.trace, &refined.rounds)?;
     if task.page.is_some() {

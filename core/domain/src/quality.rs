@@ -142,6 +142,12 @@ impl TetQuality {
         Self { dihedral, radius_edge, volume: det / 6.0, edges, scaled_jacobian }
     }
 
+    /// Its [`FIGURES`].
+    fn figures(&self) -> [f64; 4] {
+        let largest = self.dihedral.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        [self.radius_edge, self.volume, self.least_dihedral(), largest]
+    }
+
     /// The smallest dihedral angle, in degrees.
     #[must_use]
     pub fn least_dihedral(&self) -> f64 {
@@ -191,17 +197,11 @@ impl Histogram {
 /// Names of the figures of a tetrahedron under which mesh files carry them; angles in degrees.
 pub const FIGURES: [&str; 4] = ["radius_edge", "volume", "dihedral_min", "dihedral_max"];
 
-/// The [`FIGURES`] of each tetrahedron.
-fn figures<'a>(
-    points: &'a [Point],
-    tets: &'a [[u32; 4]],
-) -> impl Iterator<Item = [f64; 4]> + use<'a> {
-    tets.iter().map(|tet| {
-        let q = TetQuality::of(tet.map(|v| &points[v as usize]));
-        let least = q.least_dihedral();
-        let largest = q.dihedral.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        [q.radius_edge, q.volume, least, largest]
-    })
+/// The [`FIGURES`] of tetrahedra, a row for each.
+#[cfg(any(feature = "ndarray", feature = "nalgebra"))]
+fn figures(points: &[Point], tets: &[[u32; 4]]) -> Vec<[f64; 4]> {
+    let row = |tet: &[u32; 4]| TetQuality::of(tet.map(|v| &points[v as usize])).figures();
+    tets.par_iter().with_min_len(SHARE).map(row).collect()
 }
 
 /// A figure of every tetrahedron of a mesh, as mesh files carry it.
@@ -213,14 +213,73 @@ pub struct Array {
     pub values: Vec<f64>,
 }
 
-/// The [`FIGURES`] of every tetrahedron. All vertices have to be points.
+/// The [`FIGURES`] of every tetrahedron, measured on all threads. All vertices have to be points.
 #[must_use]
 pub fn arrays(points: &[Point], tets: &[[u32; 4]]) -> Vec<Array> {
-    let mut arrays = FIGURES.map(|name| Array { name, values: Vec::with_capacity(tets.len()) });
-    for values in figures(points, tets) {
-        arrays.iter_mut().zip(values).for_each(|(array, value)| array.values.push(value));
+    let of_share = |list: &[[u32; 4]]| {
+        let all = list.iter().map(|tet| TetQuality::of(tet.map(|v| &points[v as usize])));
+        let mut own = Columns::default();
+        all.for_each(|tet| own.add(&tet));
+        own
+    };
+    joined(&tets.par_chunks(SHARE).map(of_share).collect::<Vec<Columns>>())
+}
+
+/// The [`FIGURES`] of some tetrahedra one after the other, by figure.
+#[derive(Default)]
+struct Columns([Vec<f64>; 4]);
+
+impl Columns {
+    fn add(&mut self, tet: &TetQuality) {
+        self.0.iter_mut().zip(tet.figures()).for_each(|(own, value)| own.push(value));
     }
-    arrays.into()
+}
+
+/// Shares one after the other as arrays.
+fn joined(shares: &[Columns]) -> Vec<Array> {
+    let values = |k: usize| shares.iter().flat_map(|own| &own.0[k]).copied().collect();
+    FIGURES.into_iter().enumerate().map(|(k, name)| Array { name, values: values(k) }).collect()
+}
+
+/// The quality of a mesh and, if asked for, the [`arrays`] of its tetrahedra.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measures {
+    /// The quality.
+    pub quality: Quality,
+    /// The arrays, of which there are none if nobody has asked.
+    pub arrays: Vec<Array>,
+}
+
+impl Measures {
+    /// Measures all tetrahedra once for both. `None` as [`Quality::of`].
+    #[must_use]
+    pub fn of(points: &[Point], tets: &[[u32; 4]], with_arrays: bool) -> Option<Self> {
+        let widths = Quality::known(points, tets).then(|| Quality::widths(points, tets))?;
+        Some(Self::within(points, tets, widths, with_arrays))
+    }
+
+    fn within(points: &[Point], tets: &[[u32; 4]], widths: [f64; 2], with_arrays: bool) -> Self {
+        let none = Quality::none(tets.len(), widths);
+        let share = |(k, list): (usize, &[[u32; 4]])| {
+            let (mut own, mut columns) = (none.clone(), Columns::default());
+            for (t, tet) in (k * SHARE..).zip(list) {
+                let corners = tet.map(|v| &points[v as usize]);
+                let tet = TetQuality::of(corners);
+                own.add(t, &tet);
+                own.least_angles.add(corners);
+                if with_arrays {
+                    columns.add(&tet);
+                }
+            }
+            (own, columns)
+        };
+        let shares: (Vec<Quality>, Vec<Columns>) =
+            tets.par_chunks(SHARE).enumerate().map(share).unzip();
+        let mut quality = none;
+        shares.0.iter().for_each(|later| quality.merge(later));
+        let arrays = if with_arrays { joined(&shares.1) } else { Vec::new() };
+        Self { quality, arrays }
+    }
 }
 
 /// The [`FIGURES`] as an array of shape (m, 4), a row for each tetrahedron (feature `ndarray`). All
@@ -237,7 +296,7 @@ pub fn arrays(points: &[Point], tets: &[[u32; 4]]) -> Vec<Array> {
 #[cfg(feature = "ndarray")]
 #[must_use]
 pub fn to_ndarray(points: &[Point], tets: &[[u32; 4]]) -> ndarray::Array2<f64> {
-    ltbw_exact::interop::to_ndarray(figures(points, tets).collect())
+    ltbw_exact::interop::to_ndarray(figures(points, tets))
 }
 
 /// The [`FIGURES`] as a matrix with a row for each tetrahedron (feature `nalgebra`). All vertices
@@ -254,7 +313,7 @@ pub fn to_ndarray(points: &[Point], tets: &[[u32; 4]]) -> ndarray::Array2<f64> {
 #[cfg(feature = "nalgebra")]
 #[must_use]
 pub fn to_nalgebra(points: &[Point], tets: &[[u32; 4]]) -> nalgebra::MatrixXx4<f64> {
-    let values: Vec<f64> = figures(points, tets).flatten().collect();
+    let values: Vec<f64> = figures(points, tets).into_iter().flatten().collect();
     nalgebra::MatrixXx4::from_row_slice(&values)
 }
 
@@ -263,11 +322,13 @@ impl Quality {
     /// none or if one names a point that is not there.
     #[must_use]
     pub fn of(points: &[Point], tets: &[[u32; 4]]) -> Option<Self> {
+        Measures::of(points, tets, false).map(|all| all.quality)
+    }
+
+    /// Are there tetrahedra, all of whose vertices are points?
+    fn known(points: &[Point], tets: &[[u32; 4]]) -> bool {
         let known = |tet: &[u32; 4]| tet.iter().all(|&v| (v as usize) < points.len());
-        if tets.is_empty() || !tets.par_iter().with_min_len(SHARE).all(known) {
-            return None;
-        }
-        Some(Self::within(points, tets, Self::widths(points, tets)))
+        !tets.is_empty() && tets.par_iter().with_min_len(SHARE).all(known)
     }
 
     /// The largest volume and the longest edge, which are the widths of histograms. All vertices
@@ -287,9 +348,14 @@ impl Quality {
     /// The measures of tetrahedra of a mesh with these widths, or of none. All vertices have to be
     /// points.
     #[must_use]
-    pub fn within(points: &[Point], tets: &[[u32; 4]], [largest, edge]: [f64; 2]) -> Self {
-        let none = Self {
-            tets: tets.len(),
+    pub fn within(points: &[Point], tets: &[[u32; 4]], widths: [f64; 2]) -> Self {
+        Measures::within(points, tets, widths, false).quality
+    }
+
+    /// Nothing measured, of a number of tetrahedra.
+    fn none(tets: usize, [largest, edge]: [f64; 2]) -> Self {
+        Self {
+            tets,
             dihedral: Histogram::new("dihedral angle, degrees", 0.0, 180.0, 36),
             radius_edge: Histogram::new("circumradius / shortest edge", 0.6, 2.1, 30),
             volume: Histogram::new("volume", 0.0, largest, 30),
@@ -297,20 +363,7 @@ impl Quality {
             least_angles: LeastAngles::default(),
             scaled_jacobian: Extreme { value: f64::INFINITY, tet: 0 },
             small: [0; 2],
-        };
-        let share = |(k, list): (usize, &[[u32; 4]])| {
-            let mut own = none.clone();
-            for (t, tet) in (k * SHARE..).zip(list) {
-                let corners = tet.map(|v| &points[v as usize]);
-                own.add(t, &TetQuality::of(corners));
-                own.least_angles.add(corners);
-            }
-            own
-        };
-        let shares: Vec<Self> = tets.par_chunks(SHARE).enumerate().map(share).collect();
-        let mut all = none;
-        shares.iter().for_each(|later| all.merge(later));
-        all
+        }
     }
 
     fn add(&mut self, t: usize, tet: &TetQuality) {
