@@ -121,7 +121,7 @@ pub(crate) fn one_mesh(
     ending.expect("a run")
 }
 
-/// Does something where so many threads share the work.
+/// Does something where this number of threads shares the work.
 fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     pool.install(work)
