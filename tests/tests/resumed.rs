@@ -108,6 +108,45 @@ fn checkpoints_are_small() {
     assert!(largest > 24 * vertices / 2 && largest <= 45 * vertices, "{largest}, {vertices}");
 }
 
+/// Pieces of a checkpoint that are not all of one are refused, whatever is wrong with them.
+#[test]
+fn pieces_that_do_not_fit_are_refused() {
+    let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refiner = Refiner::new().max_volume(1e-3).start(0);
+    let run = |members: u32, every: u64, from: Option<&[Vec<u8>]>| {
+        let ends = on_team(members, |team| {
+            let (token, parallel) = (CancelToken::new(), Parallel::new(members));
+            let kept = RefCell::new(Vec::new());
+            let keep = |_, pieces: &mut Pieces<'_>| {
+                *kept.borrow_mut() = pieces.collect::<Result<_, _>>().expect("all pieces");
+            };
+            let checkpoints = Checkpoints { every, from, keep: Some(&keep) };
+            let wishes = Wishes { checkpoints, ..Wishes::default() };
+            let whole = (&ready.domain, &ready.lattice);
+            let refined = rounds_on_team(&refiner, whole, (&parallel, &token), team, wishes);
+            (refined.err().map(|error| error.to_string()), kept.into_inner())
+        });
+        ends.into_iter().next().expect("a member")
+    };
+    let (error, pieces): (_, Vec<Vec<u8>>) = run(2, 4, None);
+    assert_eq!((error, pieces.len()), (None, 3), "a head and two parts");
+    assert_eq!(run(1, 0, Some(&pieces)).0, None, "a whole one");
+    let [head, one, other] = [0, 1, 2].map(|k| pieces[k].clone());
+    let cut = one[..one.len() / 2].to_vec();
+    for wrong in [
+        vec![],
+        vec![head.clone()],
+        vec![head.clone(), one.clone()],
+        vec![head.clone(), one.clone(), other.clone(), one.clone()],
+        vec![one.clone(), other.clone()],
+        vec![head.clone(), cut, other.clone()],
+    ] {
+        let count = wrong.len();
+        assert!(run(1, 0, Some(&wrong)).0.is_some(), "{count} pieces that do not fit");
+    }
+}
+
 #[test]
 fn patches_are_in_checkpoints() {
     let domain = surfaces::single(surfaces::torus(10));

@@ -236,6 +236,9 @@ impl Member<'_, '_> {
         let others = WorkerId::below(self.team.size()).skip(1);
         let mut failed = None;
         let mut theirs = others.map_while(|from| {
+            if failed.is_some() {
+                return None;
+            }
             let piece = self.team.receive(from);
             failed = piece.as_ref().err().cloned();
             Some(piece)
