@@ -67,7 +67,7 @@ pub(crate) fn finish(
     }
     report.mesh.hash = Some(hash);
     report.seconds = seconds;
-    let with_arrays = !(task.outputs.whole.is_empty() || job.keep_exterior);
+    let with_arrays = !(unrecovered || task.outputs.whole.is_empty() || job.keep_exterior);
     let measures = Measures::of(&inside.points, &inside.tets, with_arrays);
     let (measured, arrays) = measures.map(|own| (own.quality, own.arrays)).unzip();
     let mut judged = Judged::unseen(told.measured(measured));

@@ -76,9 +76,9 @@ pub(crate) fn same(name: &str, one: &Refined, other: &Refined) {
 }
 
 /// The matrix that every domain goes through, beside simulated processors and cuts that move:
-/// workers, and the threads of all that is not theirs (the start, late steps, sorting). One worker
-/// is once the engine by itself.
-const MATRIX: [(u32, usize); 8] = [(0, 2), (0, 8), (1, 1), (1, 2), (2, 1), (2, 2), (3, 1), (8, 1)];
+/// workers, and the threads of all that is not theirs (the start, late steps, sorting). Without
+/// workers it is the engine; that on one thread is what all are compared with.
+const MATRIX: [(u32, usize); 8] = [(0, 2), (0, 8), (1, 1), (1, 2), (2, 1), (2, 2), (3, 2), (8, 1)];
 
 /// Refines in every way: one mesh. Returns how the workers' rounds have ended.
 pub(crate) fn one_mesh(

@@ -91,16 +91,22 @@ fn random_domains_have_the_engines_mesh() {
 /// threads. Here are very many workers, and all laws of latencies.
 #[test]
 fn many_workers_have_the_engines_mesh() {
-    for kind in [DomainKind::CubeOctahedron, DomainKind::Gear] {
+    let problems = [
+        (DomainKind::CubeOctahedron, 2e-3),
+        (DomainKind::CubeInCube, 2e-3),
+        (DomainKind::Tee, 2e-3),
+        (DomainKind::Gear, 1e-3),
+    ];
+    for ((kind, volume), law) in problems.into_iter().zip(Distribution::ALL) {
         let ready = prepared(&generate_domain(kind, &Shape::default()).expect("a domain"));
-        let refiner = Refiner::new().max_volume(2e-3).start(0);
+        let refiner = Refiner::new().max_volume(volume).start(0);
         let case = Case::new(format!("{kind:?}"), refiner, &ready);
         assert!(case.on_threads(&[16]).is_some(), "{kind:?}");
         let laws = Distribution::ALL.map(|law| [(2, 1_000, law), (16, 30_000, law)]);
         case.on_processors(laws.as_flattened());
         // Most of 1024 have no tetrahedron at the start.
         let most = if kind == DomainKind::CubeOctahedron { 1024 } else { 64 };
-        case.on_processors(&[(most, 10_000, Distribution::ALL[3])]);
+        case.on_processors(&[(most, 10_000, law)]);
     }
 }
 

@@ -108,6 +108,34 @@ fn checkpoints_are_small() {
     assert!(largest > 24 * vertices / 2 && largest <= 45 * vertices, "{largest}, {vertices}");
 }
 
+/// Members with members below them in their tree, each of which goes on as soon as it may; and a
+/// first one that takes one piece of each second checkpoint, and none of the others.
+#[test]
+fn many_members_go_on_together_from_every_border() {
+    let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let whole = (&ready.domain, &ready.lattice);
+    let refiner = Refiner::new().max_volume(2e-3).start(0);
+    let engine = told(&refiner.refine(whole.0, whole.1).expect("a mesh"));
+    let ends = on_team(40, |team| {
+        let (token, parallel) = (CancelToken::new(), Parallel::new(40));
+        let count = RefCell::new(0);
+        let keep = |_, pieces: &mut Pieces<'_>| {
+            *count.borrow_mut() += 1;
+            if *count.borrow() % 2 == 0 {
+                pieces.nth(0).expect("a piece").expect("the head");
+            }
+        };
+        let checkpoints = Checkpoints { every: 1, from: None, keep: Some(&keep) };
+        let wishes = Wishes { checkpoints, ..Wishes::default() };
+        let refined = rounds_on_team(&refiner, whole, (&parallel, &token), team, wishes);
+        (refined.expect("a mesh").into_whole(), count.into_inner())
+    });
+    let (first, count) = ends.into_iter().next().expect("a member");
+    assert!(told(&first.expect("the mesh").refined) == engine, "another mesh");
+    assert!(count >= 20, "{count} borders");
+}
+
 /// Pieces of a checkpoint that are not all of one are refused, whatever is wrong with them.
 #[test]
 fn pieces_that_do_not_fit_are_refused() {

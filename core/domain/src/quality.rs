@@ -13,6 +13,7 @@ use crate::vector::{cross, dot, minus};
 use ltbw_exact::Point;
 use rayon::prelude::*;
 use std::fmt::Write as _;
+use std::mem::take;
 
 /// A value and the tetrahedron (its place in the list) that has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -222,7 +223,7 @@ pub fn arrays(points: &[Point], tets: &[[u32; 4]]) -> Vec<Array> {
         all.for_each(|tet| own.add(&tet));
         own
     };
-    joined(&tets.par_chunks(SHARE).map(of_share).collect::<Vec<Columns>>())
+    joined(tets.par_chunks(SHARE).map(of_share).collect())
 }
 
 /// The [`FIGURES`] of some tetrahedra one after the other, by figure.
@@ -236,8 +237,8 @@ impl Columns {
 }
 
 /// Shares one after the other as arrays.
-fn joined(shares: &[Columns]) -> Vec<Array> {
-    let values = |k: usize| shares.iter().flat_map(|own| &own.0[k]).copied().collect();
+fn joined(mut shares: Vec<Columns>) -> Vec<Array> {
+    let mut values = |k: usize| shares.iter_mut().flat_map(|own| take(&mut own.0[k])).collect();
     FIGURES.into_iter().enumerate().map(|(k, name)| Array { name, values: values(k) }).collect()
 }
 
@@ -277,7 +278,7 @@ impl Measures {
             tets.par_chunks(SHARE).enumerate().map(share).unzip();
         let mut quality = none;
         shares.0.iter().for_each(|later| quality.merge(later));
-        let arrays = if with_arrays { joined(&shares.1) } else { Vec::new() };
+        let arrays = if with_arrays { joined(shares.1) } else { Vec::new() };
         Self { quality, arrays }
     }
 }

@@ -123,7 +123,10 @@ impl Demands {
     /// An item is split, or gone.
     pub(super) fn remove(&mut self, item: &Item) {
         self.pending.remove(item);
-        self.gone.insert(*item);
+        // Nobody waits for a tetrahedron.
+        if !matches!(item, Item::Tet(..)) {
+            self.gone.insert(*item);
+        }
     }
 
     /// Nobody waits for what was removed: once in a round, since all are looked at.

@@ -90,14 +90,14 @@ pub fn rounds_on_team(
     let stats = WorkerStats::default();
     let is_first = team.is_first();
     let kept = match (&delegated, checkpoints.from) {
-        (Ok(own), Some(pieces)) if is_first => Some(kept(own, pieces)),
-        _ => None,
+        (Ok(own), Some(pieces)) if is_first && !is_stopped => kept(own, pieces),
+        _ => Ok(None),
     };
-    if kept.as_ref().is_some_and(Result::is_err) {
+    if kept.is_err() {
         // The others wait to be told of it.
         team.fail();
     }
-    let (stats_then, from) = match kept.transpose()? {
+    let (stats_then, from) = match kept? {
         Some(Kept { start, resumed, stats }) => (Some(stats), Some((start, resumed))),
         None => (None, None),
     };
@@ -124,9 +124,12 @@ pub fn rounds_on_team(
     }
 }
 
-/// The state that a checkpoint of this refinement is of.
-fn kept(delegated: &Delegated<'_>, pieces: &[Vec<u8>]) -> Result<Kept, RefineError> {
-    checkpoint::read(pieces, delegated.complex()?.1)
+/// The state that a checkpoint of this refinement is of; none if others have nothing to do in it.
+fn kept(delegated: &Delegated<'_>, pieces: &[Vec<u8>]) -> Result<Option<Kept>, RefineError> {
+    match delegated.complex() {
+        Ok((_, start)) => checkpoint::read(pieces, start).map(Some),
+        Err(_) => Ok(None),
+    }
 }
 
 /// One member's part in a refinement.
@@ -220,18 +223,22 @@ impl Member<'_, '_> {
         Ok(Rest { mesh, left, common })
     }
 
-    /// Writes this member's part at a border: the first one takes those of all in turn.
+    /// Writes this member's part at a border: the first one asks for those of all in turn, so that
+    /// it has one at a time.
     fn keep_part(
         &mut self,
         node: &RoundNode<'_, Correct>,
         begin: RoundFigures,
     ) -> Result<(), RefineError> {
+        // Nobody goes on before all have stopped: a letter of the next rounds would be lost.
+        let told = self.team.gather_all(&node.source().figures).map_err(of_team)?;
         let own = checkpoint::slice_of(node)?;
-        let told = self.team.gather_values(&node.source().figures).map_err(of_team)?;
-        let Some(told) = told else {
-            self.team.send(WorkerId::default(), &own);
+        let first = WorkerId::default();
+        if !self.team.is_first() {
+            self.team.receive(first).map_err(of_team)?;
+            self.team.send(first, &own);
             return Ok(());
-        };
+        }
         let head = Head::of(node, &told, begin, self.before).into_bytes()?;
         let others = WorkerId::below(self.team.size()).skip(1);
         let mut failed = None;
@@ -239,6 +246,7 @@ impl Member<'_, '_> {
             if failed.is_some() {
                 return None;
             }
+            self.team.send(from, &[]);
             let piece = self.team.receive(from);
             failed = piece.as_ref().err().cloned();
             Some(piece)
