@@ -122,11 +122,12 @@ impl<'a> ThreadHooks<'a> {
 
     /// Ends the measuring.
     pub(super) fn finish(self, mesh: &impl SubmeshSize) -> (WorkerStats, Option<Collector>) {
+        let seconds = self.start.elapsed().as_secs_f64();
         let collector = self.meter.map(|mut meter| {
             meter.collector.finish(meter.last, mesh);
             meter.collector
         });
-        (self.stats, collector)
+        (WorkerStats { seconds, ..self.stats }, collector)
     }
 }
 

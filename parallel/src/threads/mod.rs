@@ -58,7 +58,7 @@ const BACKOFF: Duration = Duration::from_micros(20);
 type Node<S = LocalMesh, Q = PointQueue> = Worker<S, Q>;
 
 /// Figures of one worker.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WorkerStats {
     /// Points inserted at once, without a lock.
@@ -77,6 +77,8 @@ pub struct WorkerStats {
     pub migrated: u64,
     /// Looks at the mailbox, and those that found something.
     pub polls: [u64; 2],
+    /// Seconds from the first turn of its loop to the last one.
+    pub seconds: f64,
 }
 
 impl WorkerStats {
@@ -92,6 +94,7 @@ impl WorkerStats {
         for (sum, polls) in self.polls.iter_mut().zip(other.polls) {
             *sum += polls;
         }
+        self.seconds += other.seconds;
     }
 
     fn note(&mut self, note: Note) {
