@@ -1,9 +1,10 @@
-//! `--validate`: runs on two processes with late letters beside the simulator's word on them.
+//! `--validate`: runs on two processes with late letters beside the simulator's word on them, of
+//! points, and of a domain that is refined without rounds.
 //!
 //! The simulator's costs are those of its machine. Runs on one process, two beside each other, as
 //! two cores share their memory, tell how many times slower this one is, and virtual times are
-//! multiples of that; a run on two with fewer points and no delay, what a letter costs that goes by
-//! MPI. All else is predicted.
+//! multiples of that; a run on two of a smaller problem and without a delay, what a letter costs
+//! that goes by MPI. All else is predicted.
 
 use super::{Bench, WATCHDOG, begin, end, words_of};
 use std::fs;
@@ -16,9 +17,13 @@ const SHARED: f64 = 2.0;
 const RUNS: usize = 5;
 /// Runs of the simulator, each with a seed of its own.
 const SEEDS: usize = 10;
-/// The points of a run, and of those that tell the costs of letters.
-const POINTS: &str = "100000";
-const FEWER: &str = "20000";
+/// The part of latencies and letters by which one seed differs from the next: a seed determines
+/// points, and nothing of a domain.
+const SPREAD: f64 = 0.01;
+/// The kind of the domain.
+const KIND: &str = "cube-octahedron";
+/// Vertices of the domain with which two processes begin.
+const START: &str = "4096";
 /// Halvings until the cost of a letter is known.
 const HALVINGS: usize = 10;
 /// The figures, with their units.
@@ -27,10 +32,80 @@ const FIGURES: [&str; 3] = ["makespan, ms", "messages", "setbacks"];
 /// Makespan in milliseconds, messages and setbacks.
 type Figures = [f64; 3];
 
+/// A problem for processes and the simulator.
+#[derive(Clone, Copy)]
+enum Problem {
+    /// Uniform points, as many as the size says.
+    Points,
+    /// A domain, refined without rounds to the volume that the size says.
+    Domain,
+}
+
+impl Problem {
+    /// The sizes: of a run, and of the smaller one that tells the cost of a letter.
+    fn sizes(self) -> [&'static str; 2] {
+        match self {
+            Self::Points => ["100000", "20000"],
+            Self::Domain => ["9e-6", "3e-5"],
+        }
+    }
+
+    fn title(self, size: &str) -> String {
+        match self {
+            Self::Points => format!("{size} points"),
+            Self::Domain => format!("{KIND} without rounds, volumes up to {size}"),
+        }
+    }
+
+    fn file(self, size: &str) -> String {
+        match self {
+            Self::Points => format!("validate-{size}.npy"),
+            Self::Domain => "validate.poly".to_owned(),
+        }
+    }
+
+    /// The words that make the file.
+    fn made(self, size: &str) -> Vec<String> {
+        let words: &[&str] = match self {
+            Self::Points => &["uniform", size, "--seed", "1"],
+            Self::Domain => &[KIND],
+        };
+        words_of(&[&["generate"], words, &["-o", &self.file(size)]].concat())
+    }
+
+    /// The words for processes.
+    fn on_processes(self, size: &str) -> Vec<String> {
+        let file = self.file(size);
+        let words: &[&str] = match self {
+            Self::Points => &["delaunay", &file],
+            // The simulator's domains have no slivers.
+            Self::Domain => &["mesh", &file, "--min-dihedral", "0"],
+        };
+        words_of(&[words, &self.bounds(size)].concat())
+    }
+
+    /// The words for the simulator.
+    fn on_processors(self, size: &str) -> Vec<String> {
+        let file = self.file(size);
+        let words: &[&str] = match self {
+            Self::Points => &["simulate", "--points", size],
+            Self::Domain => &["simulate", "--domain", &file, "--start", START],
+        };
+        words_of(&[words, &self.bounds(size)].concat())
+    }
+
+    /// The bounds, in the words of either.
+    fn bounds(self, size: &str) -> Vec<&str> {
+        match self {
+            Self::Points => Vec::new(),
+            Self::Domain => vec!["--mode", "async", "--max-volume", size],
+        }
+    }
+}
+
 /// A run to be simulated; times in the simulator's microseconds.
 #[derive(Clone, Copy)]
-struct Simulated<'a> {
-    points: &'a str,
+struct Simulated {
     processors: u32,
     latency: f64,
     /// A letter at either end.
@@ -38,35 +113,46 @@ struct Simulated<'a> {
     seed: usize,
 }
 
-/// Prints a table: by delay and figure what the simulator predicts, what is measured, the ratio.
+/// Prints a table for each problem: by delay and figure what the simulator predicts, what is
+/// measured, the ratio.
 pub(super) fn run(bench: &Bench) -> Result<(), String> {
-    for points in [POINTS, FEWER] {
-        let file = format!("validate-{points}.npy");
-        let words = words_of(&["generate", "uniform", points, "--seed", "1", "-o", &file]);
-        let made = bench.ltbw(&words)?;
+    [Problem::Points, Problem::Domain].into_iter().try_for_each(|problem| compare(bench, problem))
+}
+
+/// Prints the table of a problem.
+fn compare(bench: &Bench, problem: Problem) -> Result<(), String> {
+    let [size, smaller] = problem.sizes();
+    for size in [size, smaller] {
+        let made = bench.ltbw(&problem.made(size))?;
         if made.code != Some(0) {
             return Err(made.stderr);
         }
     }
+    let case = Case { bench, problem, size };
     let beside = Jobs { beside: 2, processes: 1, delay: 0 };
-    let alone = measured(bench, POINTS, beside)?.median[0];
-    let one = Simulated { points: POINTS, processors: 1, latency: 1e-3, message: 0.5, seed: 1 };
-    let own = simulated(bench, one)?[0];
+    let alone = case.measured(beside)?.median[0];
+    let one = Simulated { processors: 1, latency: 1e-3, message: 0.5, seed: 1 };
+    let own = case.simulated(one)?[0];
     let slower = alone / own;
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
-    println!("{POINTS} points, medians of {RUNS}; load {}", load.trim());
+    println!("{}, medians of {RUNS}; load {}", problem.title(size), load.trim());
     println!("one process beside another: {alone:.0} ms, simulated {own:.0} ms");
     println!("all costs are {slower:.2} times");
     let two = Simulated { processors: 2, ..one };
-    let message = message_of(bench, two, slower)?;
-    println!("a letter costs {:.2} us at either end, by {FEWER} points", message * slower);
+    let message = Case { size: smaller, ..case }.message(two, slower)?;
+    let by = problem.title(smaller);
+    println!("a letter costs {:.2} us at either end, by {by}", message * slower);
     println!("setbacks: the mean of {SEEDS} seeds, with their standard deviation");
     println!("| delay, us | | predicted | measured | predicted / measured |");
     println!("|---|---|---|---|---|");
     for delay in DELAYS {
-        let found = measured(bench, POINTS, Jobs { delay, ..OF_TWO })?;
+        let found = case.measured(Jobs { delay, ..OF_TWO })?;
         let latency = (f64::from(delay) + SHARED) / slower;
-        let of_seed = |seed| simulated(bench, Simulated { latency, message, seed, ..two });
+        let of_seed = |seed: usize| {
+            let part = 1.0 + SPREAD * (seed as f64 - f64::midpoint(1.0, SEEDS as f64));
+            let (latency, message) = (part * latency, part * message);
+            case.simulated(Simulated { latency, message, seed, ..two })
+        };
         let runs: Vec<Figures> = (1..=SEEDS).map(of_seed).collect::<Result<_, _>>()?;
         let [mut time, messages, setbacks] = [0, 1, 2].map(|k| spread(&runs, k));
         time[0] *= slower;
@@ -78,23 +164,6 @@ pub(super) fn run(bench: &Bench) -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-/// The time that a letter takes at either end, in the simulator's microseconds: that with which it
-/// predicts the makespan of fewer points on two processes without a delay.
-fn message_of(bench: &Bench, two: Simulated<'_>, slower: f64) -> Result<f64, String> {
-    let measured = measured(bench, FEWER, OF_TWO)?.median[0];
-    let (mut low, mut high) = (0.1, 50.0);
-    for _ in 0..HALVINGS {
-        let message = f64::midpoint(low, high);
-        let latency = SHARED / slower;
-        let own = simulated(bench, Simulated { points: FEWER, latency, message, ..two })?[0];
-        match own * slower < measured {
-            true => low = message,
-            false => high = message,
-        }
-    }
-    Ok(f64::midpoint(low, high))
 }
 
 /// The mean and the standard deviation of a figure.
@@ -122,60 +191,89 @@ struct Measured {
     largest: Figures,
 }
 
-/// Runs on processes.
-fn measured(bench: &Bench, points: &str, jobs: Jobs) -> Result<Measured, String> {
-    let mut runs: Vec<Figures> = Vec::new();
-    let input = format!("validate-{points}.npy");
-    let Jobs { beside, processes, delay } = jobs;
-    for _ in 0..RUNS {
-        let start = |k: usize| {
-            let mut job = bench.job(processes, false);
-            // Open MPI binds the first process of each job to the same core.
-            job.env("OMPI_MCA_hwloc_base_binding_policy", "none");
-            job.env("LTBW_MPI_LATENCY_US", delay.to_string()).arg(&bench.ranked);
-            job.args(["--quiet", "delaunay", &input, "--check", "off", "--json"]);
-            begin(job.arg(report_of(k)))
-        };
-        let all = (0..beside).map(start).collect::<Result<Vec<_>, _>>()?;
-        for (k, job) in all.into_iter().enumerate() {
-            let outcome = end(job, WATCHDOG)?;
-            if outcome.code != Some(0) {
-                return Err(format!("{processes} processes, {delay} us: {}", outcome.stderr));
-            }
-            let report = read(bench, k)?;
-            let sum = |field| all_of(&report, field).iter().sum::<f64>();
-            runs.push([1e3 * sum("insert"), sum("messages"), sum("setbacks")]);
-        }
-    }
-    let of_figure = |k: usize| {
-        let mut own: Vec<f64> = runs.iter().map(|run| run[k]).collect();
-        own.sort_by(f64::total_cmp);
-        own
-    };
-    let all = [0, 1, 2].map(of_figure);
-    let last = runs.len() - 1;
-    let [least, median, largest] =
-        [0, runs.len() / 2, last].map(|at| [0, 1, 2].map(|k| all[k][at]));
-    Ok(Measured { median, least, largest })
+/// A problem of one size.
+#[derive(Clone, Copy)]
+struct Case<'a> {
+    bench: &'a Bench,
+    problem: Problem,
+    size: &'a str,
 }
 
-/// The simulator's figures.
-fn simulated(bench: &Bench, what: Simulated<'_>) -> Result<Figures, String> {
-    let Simulated { points, processors, latency, message, seed } = what;
-    let nanos = |us: f64| format!("{:.0}ns", 1e3 * us);
-    let (count, latency, message) = (processors.to_string(), nanos(latency), nanos(message));
-    let seed = seed.to_string();
-    let command = ["simulate", "--processors", &count, "--latency", &latency, "--points", points];
-    let report = report_of(0);
-    let costs = ["--message", &message, "--seed", &seed, "--json", &report];
-    let outcome = bench.ltbw(&words_of(&[&command[..], &["--as-processes"], &costs].concat()))?;
-    if outcome.code != Some(0) {
-        return Err(outcome.stderr);
+impl Case<'_> {
+    /// The time that a letter takes at either end, in the simulator's microseconds: that with which
+    /// it predicts the makespan on two processes without a delay.
+    fn message(self, two: Simulated, slower: f64) -> Result<f64, String> {
+        let measured = self.measured(OF_TWO)?.median[0];
+        let (mut low, mut high) = (0.1, 50.0);
+        for _ in 0..HALVINGS {
+            let message = f64::midpoint(low, high);
+            let latency = SHARED / slower;
+            let own = self.simulated(Simulated { latency, message, ..two })?[0];
+            match own * slower < measured {
+                true => low = message,
+                false => high = message,
+            }
+        }
+        Ok(f64::midpoint(low, high))
     }
-    let report = read(bench, 0)?;
-    // The figures of the whole come before those of kinds and processors.
-    let first = |field| all_of(&report, field).first().copied().unwrap_or(f64::NAN);
-    Ok([1e-6 * first("makespan"), first("count"), first("setbacks")])
+
+    /// Runs on processes.
+    fn measured(self, jobs: Jobs) -> Result<Measured, String> {
+        let Self { bench, problem, size } = self;
+        let mut runs: Vec<Figures> = Vec::new();
+        let Jobs { beside, processes, delay } = jobs;
+        for _ in 0..RUNS {
+            let start = |k: usize| {
+                let mut job = bench.job(processes, false);
+                // Open MPI binds the first process of each job to the same core.
+                job.env("OMPI_MCA_hwloc_base_binding_policy", "none");
+                job.env("LTBW_MPI_LATENCY_US", delay.to_string()).arg(&bench.ranked);
+                job.arg("--quiet").args(problem.on_processes(size));
+                begin(job.args(["--check", "off", "--json", &report_of(k)]))
+            };
+            let all = (0..beside).map(start).collect::<Result<Vec<_>, _>>()?;
+            for (k, job) in all.into_iter().enumerate() {
+                let outcome = end(job, WATCHDOG)?;
+                if outcome.code != Some(0) {
+                    return Err(format!("{processes} processes, {delay} us: {}", outcome.stderr));
+                }
+                let report = read(bench, k)?;
+                let sum = |field| all_of(&report, field).iter().sum::<f64>();
+                let time = all_of(&report, "seconds").into_iter().fold(0.0, f64::max);
+                runs.push([1e3 * time, sum("messages"), sum("setbacks")]);
+            }
+        }
+        let of_figure = |k: usize| {
+            let mut own: Vec<f64> = runs.iter().map(|run| run[k]).collect();
+            own.sort_by(f64::total_cmp);
+            own
+        };
+        let all = [0, 1, 2].map(of_figure);
+        let last = runs.len() - 1;
+        let [least, median, largest] =
+            [0, runs.len() / 2, last].map(|at| [0, 1, 2].map(|k| all[k][at]));
+        Ok(Measured { median, least, largest })
+    }
+
+    /// The simulator's figures.
+    fn simulated(self, what: Simulated) -> Result<Figures, String> {
+        let Self { bench, problem, size } = self;
+        let Simulated { processors, latency, message, seed } = what;
+        let nanos = |us: f64| format!("{:.0}ns", 1e3 * us);
+        let (count, latency, message) = (processors.to_string(), nanos(latency), nanos(message));
+        let (seed, report) = (seed.to_string(), report_of(0));
+        let machine = ["--processors", &count, "--latency", &latency, "--message", &message];
+        let others = ["--as-processes", "--seed", &seed, "--json", &report];
+        let words = [machine.to_vec(), others.to_vec()].concat();
+        let outcome = bench.ltbw(&[problem.on_processors(size), words_of(&words)].concat())?;
+        if outcome.code != Some(0) {
+            return Err(outcome.stderr);
+        }
+        let report = read(bench, 0)?;
+        // The figures of the whole come before those of kinds and processors.
+        let first = |field| all_of(&report, field).first().copied().unwrap_or(f64::NAN);
+        Ok([1e-6 * first("makespan"), first("count"), first("setbacks")])
+    }
 }
 
 /// The report's name of a job, by its number among those at a time.
