@@ -123,7 +123,7 @@ fn many_members_go_on_together_from_every_border() {
         let keep = |_, pieces: &mut Pieces<'_>| {
             *count.borrow_mut() += 1;
             if *count.borrow() % 2 == 0 {
-                pieces.nth(0).expect("a piece").expect("the head");
+                pieces.next().expect("a piece").expect("the head");
             }
         };
         let checkpoints = Checkpoints { every: 1, from: None, keep: Some(&keep) };
