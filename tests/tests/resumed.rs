@@ -2,9 +2,10 @@
 //! engine's mesh, from whichever checkpoint.
 
 use ltbw::CancelToken;
-use ltbw::domain::{Domain, PrepareOptions};
+use ltbw::domain::{Domain, PrepareOptions, Prepared};
 use ltbw::refine::{Refined, Refiner};
-use ltbw::refining::{Checkpoints, Pieces, Wishes, rounds_on_team};
+use ltbw::refining::{Checkpoints, Pieces, RefineError, TeamRounds, Wishes, rounds_on_team};
+use ltbw::team::Team;
 use ltbw::threads::Parallel;
 use ltbw_generate::layers::stack;
 use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
@@ -27,24 +28,36 @@ fn told(refined: &Refined) -> impl PartialEq + use<> {
     (whole.points, whole.tets, whole.tet_tags, whole.faces, refined.outcome, figures, excuses)
 }
 
+/// One member's part in a refinement with checkpoints.
+fn rounds(
+    team: &mut Team,
+    refiner: &Refiner<'_>,
+    ready: &Prepared,
+    checkpoints: Checkpoints<'_>,
+) -> Result<TeamRounds, RefineError> {
+    let (token, parallel) = (CancelToken::new(), Parallel::new(team.size()));
+    let whole = (&ready.domain, &ready.lattice);
+    let wishes = Wishes { checkpoints, ..Wishes::default() };
+    rounds_on_team(refiner, whole, (&parallel, &token), team, wishes)
+}
+
 /// Stops every few rounds on two members, and goes on from each of these checkpoints on other
 /// numbers of them. Returns the number of checkpoints.
 fn resumes(name: &str, domain: &Domain, options: &PrepareOptions, refiner: &Refiner<'_>) -> usize {
     let ready = domain.prepare(options).expect("a sound domain");
-    let whole = (&ready.domain, &ready.lattice);
-    let engine = told(&refiner.refine(whole.0, whole.1).expect("a mesh"));
+    let engine = told(&refiner.refine(&ready.domain, &ready.lattice).expect("a mesh"));
     let run = |members: u32, every: u64, from: Option<&[Vec<u8>]>| -> Vec<Kept> {
         let ends = on_team(members, |team| {
-            let (token, parallel) = (CancelToken::new(), Parallel::new(members));
             let kept = RefCell::new(Vec::new());
             let keep = |rounds, pieces: &mut Pieces<'_>| {
                 let state = pieces.collect::<Result<_, _>>().expect("all pieces");
                 kept.borrow_mut().push(Kept { rounds, state });
             };
             let checkpoints = Checkpoints { every, from, keep: Some(&keep) };
-            let wishes = Wishes { checkpoints, ..Wishes::default() };
-            let refined = rounds_on_team(refiner, whole, (&parallel, &token), team, wishes);
-            (refined.expect("a mesh").into_whole(), kept.into_inner())
+            (
+                rounds(team, refiner, &ready, checkpoints).expect("a mesh").into_whole(),
+                kept.into_inner(),
+            )
         });
         let (first, kept) = ends.into_iter().next().expect("a member");
         let refined = first.expect("the first member's mesh").refined;
@@ -89,17 +102,16 @@ fn checkpoints_are_small() {
     let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
     let refiner = Refiner::new().max_volume(1e-4).start(0);
     let ends = on_team(2, |team| {
-        let (token, parallel) = (CancelToken::new(), Parallel::new(2));
         let sizes = RefCell::new(Vec::new());
         let keep = |_, pieces: &mut Pieces<'_>| {
             let bytes = pieces.map(|piece| piece.expect("all pieces").len()).sum::<usize>();
             sizes.borrow_mut().push(bytes);
         };
         let checkpoints = Checkpoints { every: 4, from: None, keep: Some(&keep) };
-        let wishes = Wishes { checkpoints, ..Wishes::default() };
-        let whole = (&ready.domain, &ready.lattice);
-        let refined = rounds_on_team(&refiner, whole, (&parallel, &token), team, wishes);
-        (refined.expect("a mesh").into_whole(), sizes.into_inner())
+        (
+            rounds(team, &refiner, &ready, checkpoints).expect("a mesh").into_whole(),
+            sizes.into_inner(),
+        )
     });
     let (first, sizes) = ends.into_iter().next().expect("a member");
     let vertices = first.expect("the mesh").refined.mesh().num_vertices();
@@ -114,11 +126,9 @@ fn checkpoints_are_small() {
 fn many_members_go_on_together_from_every_border() {
     let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default()).expect("a shape");
     let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
-    let whole = (&ready.domain, &ready.lattice);
     let refiner = Refiner::new().max_volume(2e-3).start(0);
-    let engine = told(&refiner.refine(whole.0, whole.1).expect("a mesh"));
+    let engine = told(&refiner.refine(&ready.domain, &ready.lattice).expect("a mesh"));
     let ends = on_team(40, |team| {
-        let (token, parallel) = (CancelToken::new(), Parallel::new(40));
         let count = RefCell::new(0);
         let keep = |_, pieces: &mut Pieces<'_>| {
             *count.borrow_mut() += 1;
@@ -127,9 +137,10 @@ fn many_members_go_on_together_from_every_border() {
             }
         };
         let checkpoints = Checkpoints { every: 1, from: None, keep: Some(&keep) };
-        let wishes = Wishes { checkpoints, ..Wishes::default() };
-        let refined = rounds_on_team(&refiner, whole, (&parallel, &token), team, wishes);
-        (refined.expect("a mesh").into_whole(), count.into_inner())
+        (
+            rounds(team, &refiner, &ready, checkpoints).expect("a mesh").into_whole(),
+            count.into_inner(),
+        )
     });
     let (first, count) = ends.into_iter().next().expect("a member");
     assert!(told(&first.expect("the mesh").refined) == engine, "another mesh");
@@ -144,15 +155,12 @@ fn pieces_that_do_not_fit_are_refused() {
     let refiner = Refiner::new().max_volume(1e-3).start(0);
     let run = |members: u32, every: u64, from: Option<&[Vec<u8>]>| {
         let ends = on_team(members, |team| {
-            let (token, parallel) = (CancelToken::new(), Parallel::new(members));
             let kept = RefCell::new(Vec::new());
             let keep = |_, pieces: &mut Pieces<'_>| {
                 *kept.borrow_mut() = pieces.collect::<Result<_, _>>().expect("all pieces");
             };
             let checkpoints = Checkpoints { every, from, keep: Some(&keep) };
-            let wishes = Wishes { checkpoints, ..Wishes::default() };
-            let whole = (&ready.domain, &ready.lattice);
-            let refined = rounds_on_team(&refiner, whole, (&parallel, &token), team, wishes);
+            let refined = rounds(team, &refiner, &ready, checkpoints);
             (refined.err().map(|error| error.to_string()), kept.into_inner())
         });
         ends.into_iter().next().expect("a member")
