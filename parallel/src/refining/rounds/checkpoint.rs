@@ -6,7 +6,6 @@
 //! whether it is the part's: all that are, are there, since their spheres are empty of all
 //! vertices. Nothing is put together until a team goes on from it.
 
-use super::demands::Pending;
 use super::figures::RoundFigures;
 use super::source::Rounds;
 use super::{Resumed, RoundNode};
@@ -262,19 +261,10 @@ impl Rounds<Correct> {
             figures,
             stats,
             refused: self.demands.refused.all.iter().map(|(&item, &why)| (item, why)).collect(),
-            candidates: usize::try_from(self.budget.counted).unwrap_or(0),
+            candidates: self.candidates(),
             spent: self.spent,
             blocks: self.blocks_left(),
         }
-    }
-
-    /// The boundary items that it keeps.
-    fn asked(&self) -> Vec<Asked> {
-        let left = |own: &Pending| {
-            let Pending { item, first, limit, .. } = *own;
-            Asked { item, first, limit }
-        };
-        self.demands.pending.values().map(left).collect()
     }
 
     /// Its tetrahedra that were refused, by their places.

@@ -60,17 +60,30 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
+    /// The boundary items that it keeps.
+    pub(super) fn asked(&self) -> Vec<Asked> {
+        let left = |own: &Pending| {
+            let Pending { item, first, limit, .. } = *own;
+            Asked { item, first, limit }
+        };
+        self.demands.pending.values().map(left).collect()
+    }
+
+    /// The candidates among the tetrahedra when last counted.
+    pub(super) fn candidates(&self) -> usize {
+        usize::try_from(self.budget.counted).unwrap_or(0)
+    }
+
     /// The work that is left.
     pub(super) fn into_left(self, mesh: &DomainMesh<'_>) -> Left {
-        let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
-        let blocks = self.blocks_left();
+        let (asked, candidates, blocks) = (self.asked(), self.candidates(), self.blocks_left());
         Left {
             worker: self.me,
-            asked: self.demands.pending.into_values().map(left).collect(),
+            asked,
             refused: self.demands.refused.all.into_iter().collect(),
             refused_tets: self.keys.refused(mesh),
             spent: self.spent,
-            candidates: usize::try_from(self.budget.counted).unwrap_or(0),
+            candidates,
             thin: self.keys.thin(mesh),
             before_slivers: self.slivers.before,
             slivers: self.slivers.into_left(mesh),
